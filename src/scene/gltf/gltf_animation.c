@@ -5,6 +5,7 @@
 #include "scene/animation.h"
 #include "scene/camera_path/curve.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -14,17 +15,15 @@
 // request any amount.
 #define MAX_VALUES ( (uint64_t)1 << 27 )
 
+#define GIVEN INT_MAX // in the place of an animation: from outside the file
+
 typedef struct Loader
 {
     uint64_t values;
-    uint8_t* taken;  // per node: one bit per animated property
-    uint8_t* given;  // likewise, those from outside the file
-    int* owner;      // per node: the last animation that moves it
-    json_t* changed; // by name_change: the animation that changes it
-    int* left_out;   // animations that move what one before them moves
+    json_t* owners; // by name_change: which animation animates it, or GIVEN
+    int* left_out;  // animations that move what one before them moves
     int left_out_count;
-    int instead;       // of the first of those
-    int given_changes; // of materials, from outside the file: the first of all
+    int instead; // of the first of those
 } Loader;
 
 #define MAX_NAMED 5 // in a warning
@@ -144,12 +143,6 @@ static RfResult read_sampler( RfGltf* gltf, Loader* loader, const RfField* json,
     if ( result == RF_OK )
         result = read_values( gltf, output, where, channel );
     return result == RF_OK ? check_visibility( gltf, where, channel ) : result;
-}
-
-// A value that is not of a node, as a key.
-static RfWhere name_change( const RfChange* change )
-{
-    return rf_where( "%d %d %d", (int)change->value, change->of, change->slot );
 }
 
 // What a channel animates.
@@ -281,19 +274,26 @@ static void follow_to_value( RfValueOwner owner, const Pointer* parts, Target* o
     out->change.channel.components = rf_changed_traits( value )->components;
 }
 
+// Paths of nodes, as pointers have them.
+static const char* const s_paths[] = { "translation", "rotation", "scale", "weights", "extensions/KHR_node_visibility/visible" };
+
+// The place of one of the first `count`; −1: there is none.
+static int find_node_path( const char* path, int count )
+{
+    while ( count > 0 && strcmp( path, s_paths[count - 1] ) != 0 )
+        --count;
+    return count - 1;
+}
+
 static void follow_to_node( const Pointer* parts, Target* out )
 {
-    static const char* const s_members[] = { "translation", "rotation", "scale", "weights",
-                                             "extensions/KHR_node_visibility/visible" };
-    for ( int i = 0; i < 5; ++i )
-    {
-        if ( strcmp( parts->member, s_members[i] ) != 0 )
-            continue;
-        out->change.channel.node = parts->index;
-        out->change.channel.path = (RfAnimatedPath)i;
-        out->wanted = true;
-        out->unrendered = NULL;
-    }
+    int path = find_node_path( parts->member, RF_VISIBILITY + 1 );
+    if ( path < 0 )
+        return;
+    out->change.channel.node = parts->index;
+    out->change.channel.path = (RfAnimatedPath)path;
+    out->wanted = true;
+    out->unrendered = NULL;
 }
 
 static void follow( const Pointer* parts, Target* out )
@@ -341,19 +341,14 @@ static RfResult note_pointer( RfGltf* gltf, const char* pointer )
 
 static RfResult find_path( RfGltf* gltf, const RfField* target, const char* where, const char* path, Target* out )
 {
-    static const char* const s_paths[] = { "translation", "rotation", "scale", "weights" };
+    int known = find_node_path( path, RF_WEIGHTS + 1 );
     if ( strcmp( path, "pointer" ) == 0 )
         return follow_pointer( gltf, target, where, out );
-    for ( int i = 0; i < 4; ++i )
-    {
-        if ( strcmp( path, s_paths[i] ) == 0 )
-        {
-            out->change.channel.path = (RfAnimatedPath)i;
-            out->wanted = out->change.channel.node >= 0; // without a node, an extension defines the target
-            return RF_OK;
-        }
-    }
-    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.path '%.20s' does not exist", path );
+    if ( known < 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.path '%.20s' does not exist", path );
+    out->change.channel.path = (RfAnimatedPath)known;
+    out->wanted = out->change.channel.node >= 0; // without a node, an extension defines the target
+    return RF_OK;
 }
 
 // Reads what the channel animates.
@@ -381,76 +376,46 @@ static RfResult read_target( RfGltf* gltf, const RfField* json, Target* out )
     return RF_OK;
 }
 
-static RfResult check_node( RfGltf* gltf, Loader* loader, const char* where, const RfChannel* channel, bool* wanted )
+// What a channel animates, as a key.
+static RfWhere name_change( const RfChange* change )
 {
-    const RfNode* node = gltf->scene->nodes + channel->node;
-    if ( node->has_matrix && channel->path <= RF_SCALE )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "moves nodes[%d], which has a matrix", channel->node );
-    uint8_t bit = (uint8_t)( 1u << channel->path );
-    if ( ( loader->given[channel->node] & bit ) != 0 )
-        *wanted = false;
-    else if ( ( loader->taken[channel->node] & bit ) != 0 )
-    {
-        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s moves node '%.80s', which an earlier channel moves: the first is used",
-                        where, node->name );
-        *wanted = false;
-    }
-    loader->taken[channel->node] |= bit;
-    return RF_OK;
+    const RfChannel* channel = &change->channel;
+    return channel->path == RF_VALUE ? rf_where( "%d %d %d", (int)change->value, change->of, change->slot )
+                                     : rf_where( "node %d %d", channel->node, (int)channel->path );
 }
 
-// Whether a scene file gives a value, or keys of it.
-static bool is_given( const RfGltf* gltf, const Loader* loader, const RfChange* change )
+// The animation that has it: GIVEN comes from outside the file; −1: none.
+static int find_owner( const Loader* loader, const RfChange* change )
 {
-    const RfChangedTraits* traits = rf_changed_traits( change->value );
-    bool found = traits->owner == RF_OF_MATERIAL && gltf->material_edits != NULL &&
-                 rf_has_member( gltf->material_edits + change->of, traits->name );
-    for ( int i = 0; i < loader->given_changes; ++i )
-        found = found || ( gltf->changes[i].value == change->value && gltf->changes[i].of == change->of );
-    return found;
+    const json_t* owner = json_object_get( loader->owners, name_change( change ).text );
+    return owner != NULL ? (int)json_integer_value( owner ) : -1;
+}
+
+static RfResult set_owner( const RfGltf* gltf, Loader* loader, const RfChange* change, int animation )
+{
+    return json_object_set_new( loader->owners, name_change( change ).text, json_integer( animation ) ) == 0
+               ? RF_OK
+               : rf_gltf_no_memory( gltf, "animations" );
 }
 
 // Takes what a channel animates for an animation, unless something has it.
 static RfResult take_target( RfGltf* gltf, Loader* loader, const char* where, int animation, Target* target )
 {
     const RfChange* change = &target->change;
-    if ( change->channel.path != RF_VALUE )
-    {
-        RfResult result = check_node( gltf, loader, where, &change->channel, &target->wanted );
-        if ( result == RF_OK && target->wanted )
-            loader->owner[change->channel.node] = animation;
-        return result;
-    }
-    RfWhere name = name_change( change );
-    if ( is_given( gltf, loader, change ) )
-    {
-        target->wanted = false;
-        return RF_OK;
-    }
-    if ( json_object_get( loader->changed, name.text ) != NULL )
-    {
-        rf_gltf_notice( gltf, RF_GLTF_DOUBLE_CHANNELS, "%s changes %s, which an earlier channel changes: the first is used",
-                        where, rf_changed_traits( change->value )->name );
-        target->wanted = false;
-        return RF_OK;
-    }
-    return json_object_set_new( loader->changed, name.text, json_integer( animation ) ) == 0 ? RF_OK
-                                                                                             : rf_gltf_no_memory( gltf, where );
-}
-
-// The animation that has what a channel animates, or −1.
-static int find_owner( const Loader* loader, const Target* target )
-{
-    const RfChannel* channel = &target->change.channel;
-    if ( !target->wanted )
-        return -1;
-    if ( channel->path == RF_VALUE )
-    {
-        const json_t* owner = json_object_get( loader->changed, name_change( &target->change ).text );
-        return owner != NULL ? (int)json_integer_value( owner ) : -1;
-    }
-    bool taken = ( loader->taken[channel->node] & ~loader->given[channel->node] & 1u << channel->path ) != 0;
-    return taken ? loader->owner[channel->node] : -1;
+    const RfChannel* channel = &change->channel;
+    const RfNode* node = channel->path != RF_VALUE ? gltf->scene->nodes + channel->node : NULL;
+    int owner = find_owner( loader, change );
+    target->wanted = owner < 0;
+    if ( node != NULL && node->has_matrix && channel->path <= RF_SCALE )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "moves nodes[%d], which has a matrix", channel->node );
+    if ( owner < 0 )
+        return set_owner( gltf, loader, change, animation );
+    if ( owner != GIVEN && node != NULL )
+        rf_gltf_notice( gltf, "%s moves node '%.80s', which an earlier channel moves: the first is used", where, node->name );
+    else if ( owner != GIVEN )
+        rf_gltf_notice( gltf, "%s changes %s, which an earlier channel changes: the first is used", where,
+                        rf_changed_traits( change->value )->name );
+    return RF_OK;
 }
 
 static RfResult append_channel( RfGltf* gltf, const RfChannel* channel )
@@ -505,7 +470,8 @@ static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const RfField
         RfResult result = read_target( gltf, &channel, &target );
         if ( result != RF_OK )
             return result;
-        *other = find_owner( loader, &target );
+        int owner = target.wanted ? find_owner( loader, &target.change ) : -1;
+        *other = owner != GIVEN ? owner : -1;
     }
     return rf_json_result( channels );
 }
@@ -600,20 +566,36 @@ static RfResult add_given( RfGltf* gltf, Loader* loader )
     RfResult result = RF_OK;
     for ( int i = 0; result == RF_OK && i < options->channel_count; ++i )
     {
-        const RfChannel* given = options->channels + i;
         RfChannel channel = { 0 };
-        int node = rf_gltf_given_node( gltf, given );
-        loader->given[node] |= (uint8_t)( 1u << given->path );
-        if ( given->count == 0 )
+        RfChange change = { .channel = options->channels[i] };
+        change.channel.node = rf_gltf_given_node( gltf, options->channels + i );
+        result = set_owner( gltf, loader, &change, GIVEN );
+        if ( result != RF_OK || change.channel.count == 0 )
             continue;
-        result = rf_copy_channel( given, &channel, gltf->error );
-        channel.node = node;
+        result = rf_copy_channel( &change.channel, &channel, gltf->error );
         if ( result == RF_OK )
             result = append_channel( gltf, &channel );
         if ( result != RF_OK )
             rf_destroy_channel( &channel );
     }
     return result; // NOLINT(clang-analyzer-unix.Malloc): append_channel does not fail with RF_OK
+}
+
+// The same of a material.
+static RfResult add_given_values( RfGltf* gltf, Loader* loader, int material )
+{
+    int before = gltf->change_count;
+    RfResult result = rf_gltf_read_keys( gltf, material );
+    for ( int i = before; result == RF_OK && i < gltf->change_count; ++i )
+        result = set_owner( gltf, loader, gltf->changes + i, GIVEN );
+    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 ); result == RF_OK && v < RF_CHANGED_COUNT;
+          v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    {
+        const RfChange change = { .value = v, .of = material, .channel.path = RF_VALUE };
+        if ( rf_has_member( gltf->material_edits + material, rf_changed_traits( v )->name ) )
+            result = set_owner( gltf, loader, &change, GIVEN );
+    }
+    return result;
 }
 
 static void find_keys( const RfChannel* channel, RfClock* all )
@@ -645,8 +627,8 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     RfResult result = add_given( gltf, loader );
     int given = gltf->scene->channel_count;
     for ( int i = 0; result == RF_OK && gltf->material_edits != NULL && i < gltf->counts[RF_GLTF_MATERIALS]; ++i )
-        result = rf_gltf_read_keys( gltf, i );
-    loader->given_changes = gltf->change_count;
+        result = add_given_values( gltf, loader, i );
+    int given_changes = gltf->change_count;
     if ( result == RF_OK && gltf->animation != NULL )
         result = check_chosen( gltf );
     for ( int i = 0; result == RF_OK && gltf->animation != NULL && i < count; ++i )
@@ -664,7 +646,7 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     if ( result == RF_OK && gltf->animation == NULL )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
-        set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given, loader->given_changes );
+        set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given, given_changes );
     return result;
 }
 
@@ -705,20 +687,12 @@ static void find_spans( RfGltf* gltf )
 
 RfResult rf_gltf_load_animations( RfGltf* gltf )
 {
-    size_t nodes = (size_t)gltf->scene->node_count + 1, animations = (size_t)gltf->counts[RF_GLTF_ANIMATIONS] + 1;
-    Loader loader = { .taken = calloc( nodes, 1 ),
-                      .given = calloc( nodes, 1 ),
-                      .owner = calloc( nodes, sizeof *loader.owner ),
-                      .changed = json_object(),
-                      .left_out = calloc( animations, sizeof *loader.left_out ) };
-    bool room =
-        loader.changed != NULL && loader.taken != NULL && loader.given != NULL && loader.owner != NULL && loader.left_out != NULL;
+    Loader loader = { .owners = json_object(),
+                      .left_out = calloc( (size_t)gltf->counts[RF_GLTF_ANIMATIONS] + 1, sizeof *loader.left_out ) };
+    bool room = loader.owners != NULL && loader.left_out != NULL;
     RfResult result = room ? load_all( gltf, &loader ) : rf_gltf_no_memory( gltf, "animations" );
-    free( loader.taken );
-    free( loader.given );
-    free( loader.owner );
     free( loader.left_out );
-    json_decref( loader.changed );
+    json_decref( loader.owners );
     if ( result != RF_OK )
         return result;
     if ( gltf->scene->channel_count > 0 )

@@ -107,7 +107,7 @@ static void notice_left_out( RfGltf* gltf, const RfField* target )
     {
         bool read = strcmp( name, "POSITION" ) == 0 || strcmp( name, "NORMAL" ) == 0 || strcmp( name, "TANGENT" ) == 0;
         if ( !read && name[0] != '_' )
-            rf_gltf_notice( gltf, RF_GLTF_TARGETS_LEFT_OUT, "%s changes %.40s, which stays as it is", target->path, name );
+            rf_gltf_notice( gltf, "%s changes %.40s, which stays as it is", target->path, name );
     }
 }
 
@@ -354,8 +354,7 @@ static RfResult open_influences( RfGltf* gltf, const RfField* json, Influences* 
     if ( out->joints[0] < 0 )
         return rf_field_fail( &attributes, "has no JOINTS_0, but a node has its mesh with a skin" );
     if ( rf_has_member( &attributes, "JOINTS_2" ) )
-        rf_gltf_notice( gltf, RF_GLTF_MORE_JOINTS, "%s has JOINTS_2: each vertex follows the first eight of its joints",
-                        attributes.path );
+        rf_gltf_notice( gltf, "%s has JOINTS_2: each vertex follows the first eight of its joints", attributes.path );
     return RF_OK;
 }
 
@@ -389,10 +388,10 @@ static RfResult keep_influences( RfGltf* gltf, const char* where, uint32_t verte
         joint[0] = (uint16_t)joints[0];
         weight[0] = 1.0f;
         sum = kept = 1;
-        rf_gltf_notice( gltf, RF_GLTF_SKIN_WEIGHTS, "%s has vertices without weights: they follow their first joint", where );
+        rf_gltf_notice( gltf, "%s has vertices without weights: they follow their first joint", where );
     }
     else if ( fabs( sum - 1.0 ) > (double)WEIGHT_TOLERANCE )
-        rf_gltf_notice( gltf, RF_GLTF_SKIN_WEIGHTS, "%s has vertices whose weights sum to %g: they are scaled to 1", where, sum );
+        rf_gltf_notice( gltf, "%s has vertices whose weights sum to %g: they are scaled to 1", where, sum );
     for ( int i = 0; i < kept; ++i )
     {
         weight[i] = (float)( (double)weight[i] / sum );

@@ -70,11 +70,14 @@ RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )
     return rf_gltf_fail( gltf, RF_ERROR_MEMORY, where, "the system has no memory left: close other programs" );
 }
 
-void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... )
+void rf_gltf_notice( RfGltf* gltf, const char* format, ... )
 {
-    if ( gltf->noticed[notice] )
+    int kind = 0;
+    while ( kind < RF_GLTF_NOTICES && gltf->noticed[kind] != NULL && strcmp( gltf->noticed[kind], format ) != 0 )
+        ++kind;
+    if ( kind == RF_GLTF_NOTICES || gltf->noticed[kind] != NULL )
         return;
-    gltf->noticed[notice] = true;
+    gltf->noticed[kind] = format;
     char text[512];
     va_list args;
     va_start( args, format );

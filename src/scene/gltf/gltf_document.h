@@ -31,29 +31,6 @@ typedef enum RfGltfList
     RF_GLTF_LIST_COUNT
 } RfGltfList;
 
-// Warnings that are given once, for the first object concerned. (Unsupported extensions are
-// tracked separately.)
-typedef enum RfGltfNotice
-{
-    RF_GLTF_COATED_GLASS,
-    RF_GLTF_SHEEN_ON_GLASS,
-    RF_GLTF_LAYERED_GLASS,
-    RF_GLTF_TRANSLUCENT_GLASS,
-    RF_GLTF_LAYERED_TRANSLUCENT,
-    RF_GLTF_COATED_TRANSLUCENT,
-    RF_GLTF_TRANSLUCENT_BODY,
-    RF_GLTF_NO_DIRECTION,
-    RF_GLTF_POINTS_LINES,
-    RF_GLTF_NO_POSITIONS,
-    RF_GLTF_DOUBLE_CHANNELS,
-    RF_GLTF_SKIN_WEIGHTS,
-    RF_GLTF_MORE_JOINTS,
-    RF_GLTF_TARGETS_LEFT_OUT,
-    RF_GLTF_PACKED_COUNTS,
-    RF_GLTF_ROOT_WITH_PARENT,
-    RF_GLTF_NOTICE_COUNT
-} RfGltfNotice;
-
 // A validated accessor: every element is inside its buffer.
 typedef struct RfGltfAccessor
 {
@@ -117,6 +94,8 @@ typedef struct RfGltfNode
     RfGltfSpan span; // of its own channels and its ancestors'
 } RfGltfNode;
 
+#define RF_GLTF_NOTICES 32 // kinds of warnings
+
 typedef struct RfGltf
 {
     const char* path;
@@ -175,7 +154,7 @@ typedef struct RfGltf
     struct RfMovingMaterial* moving_materials;
     int moving_material_count;
 
-    bool noticed[RF_GLTF_NOTICE_COUNT];
+    const char* noticed[RF_GLTF_NOTICES];
     uint32_t noticed_extensions; // one bit per row of the table in gltf_extension.c
 } RfGltf;
 
@@ -206,8 +185,8 @@ bool rf_gltf_grow( void* list, int count, size_t size );
 // Fails with RF_ERROR_MEMORY.
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 
-// Logs a warning, once per kind of notice.
-void rf_gltf_notice( RfGltf* gltf, RfGltfNotice notice, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
+// Logs a warning, once for each format, for the first object concerned.
+void rf_gltf_notice( RfGltf* gltf, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 
 // What to do with a file that is compressed in a way that cannot be read.
 #define RF_GLTF_UNPACK "unpack the file by `npx @gltf-transform/cli copy in.glb out.glb`"

@@ -116,8 +116,8 @@ static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* 
     if ( result != RF_OK )
         return result;
     if ( points != layout.count )
-        rf_gltf_notice( gltf, RF_GLTF_PACKED_COUNTS, "%s has a count of %u, its compressed mesh %u vertices, which are taken",
-                        json.path, layout.count, points );
+        rf_gltf_notice( gltf, "%s has a count of %u, its compressed mesh %u vertices, which are taken", json.path, layout.count,
+                        points );
     uint8_t* values = malloc( bytes + 1 );
     if ( values == NULL )
         return rf_gltf_no_memory( gltf, json.path );

@@ -264,14 +264,13 @@ static void apply_clearcoat( RfGltf* gltf, const RfGltfMaterial* m, const RfMate
         return;
     if ( out->kind >= RF_BSDF_FIRST_SPECULAR )
     {
-        rf_gltf_notice( gltf, RF_GLTF_COATED_GLASS,
-                        "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
+        rf_gltf_notice( gltf, "a clear coat over glass or a mirror is not supported: material '%.80s' is without it", out->name );
         return;
     }
     if ( out->kind == RF_BSDF_TRANSLUCENT )
     {
-        rf_gltf_notice( gltf, RF_GLTF_COATED_TRANSLUCENT,
-                        "a clear coat over diffuse transmission is not supported: material '%.80s' is without it", out->name );
+        rf_gltf_notice( gltf, "a clear coat over diffuse transmission is not supported: material '%.80s' is without it",
+                        out->name );
         return;
     }
     rf_derive_clearcoat( values->clearcoat, values->clearcoat_roughness, out );
@@ -291,12 +290,12 @@ static void make_translucent( RfGltf* gltf, const RfMaterialValues* values, RfMa
     RfMaterial layered = *out;
     rf_choose_layers( &layered );
     if ( layered.kind != RF_BSDF_GGX )
-        rf_gltf_notice( gltf, RF_GLTF_LAYERED_TRANSLUCENT,
+        rf_gltf_notice( gltf,
                         "sheen, anisotropy and films on a surface with diffuse transmission are not supported: material '%.80s' "
                         "is without them",
                         out->name );
     if ( values->thickness > 0.0 && values->attenuation_distance < HUGE_VAL )
-        rf_gltf_notice( gltf, RF_GLTF_TRANSLUCENT_BODY,
+        rf_gltf_notice( gltf,
                         "absorption inside a body with diffuse transmission is not supported: material '%.80s' is clear inside",
                         out->name );
     out->kind = RF_BSDF_TRANSLUCENT;
@@ -363,14 +362,12 @@ static void apply_surface( RfGltf* gltf, const RfGltfMaterial* m, const RfMateri
     if ( out->kind == RF_BSDF_GLASS && !mirror )
     {
         if ( rf_max_component( out->sheen ) > 0.0f )
-            rf_gltf_notice( gltf, RF_GLTF_SHEEN_ON_GLASS, "sheen over glass is not supported: material '%.80s' is without it",
-                            out->name );
+            rf_gltf_notice( gltf, "sheen over glass is not supported: material '%.80s' is without it", out->name );
         if ( out->anisotropy > 0.0f )
-            rf_gltf_notice( gltf, RF_GLTF_LAYERED_GLASS, "anisotropy of glass is not supported: material '%.80s' is isotropic",
-                            out->name );
+            rf_gltf_notice( gltf, "anisotropy of glass is not supported: material '%.80s' is isotropic", out->name );
         bool opaque = values->transmission < 1.0 || rf_gltf_has_texture( m, RF_TEXTURE_TRANSMISSION );
         if ( factors->through > 0.0 && opaque ) // else transmission overrides it
-            rf_gltf_notice( gltf, RF_GLTF_TRANSLUCENT_GLASS,
+            rf_gltf_notice( gltf,
                             "diffuse transmission of glass is not supported: the opaque part of material '%.80s' is without it",
                             out->name );
         out->dispersion = out->thin ? 0.0f : (float)factors->dispersion; // what has no volume does not refract

@@ -225,8 +225,7 @@ static RfResult make_root( RfGltf* gltf, const char* where, int i, const int* de
                                  gltf->order[i] );
     }
     if ( root->parent >= 0 )
-        rf_gltf_notice( gltf, RF_GLTF_ROOT_WITH_PARENT,
-                        "%s has node '%.80s', but not its parent '%.80s': it is placed without it", where, root->name,
+        rf_gltf_notice( gltf, "%s has node '%.80s', but not its parent '%.80s': it is placed without it", where, root->name,
                         nodes[root->parent].name );
     root->parent = -1;
     return RF_OK;

@@ -325,7 +325,7 @@ static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* 
     bool anisotropic =
         rf_has_param( rf_bsdf_model( material->kind )->params, RF_PARAM_ANISOTROPY ) && material->anisotropy > 0.0f;
     if ( anisotropic && uvs == NULL )
-        rf_gltf_notice( gltf, RF_GLTF_NO_DIRECTION,
+        rf_gltf_notice( gltf,
                         "%s has neither tangents nor texture coordinates: the anisotropy of material '%.80s' has an arbitrary "
                         "direction there",
                         where, material->name );
@@ -345,7 +345,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
         return result;
     if ( mode < LIST )
     {
-        rf_gltf_notice( gltf, RF_GLTF_POINTS_LINES, "points and lines are not drawn: %s is left out", where );
+        rf_gltf_notice( gltf, "points and lines are not drawn: %s is left out", where );
         return RF_OK;
     }
     Attributes attributes;
@@ -355,7 +355,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
         return result;
     if ( attributes.accessors[RF_POSITION] < 0 )
     {
-        rf_gltf_notice( gltf, RF_GLTF_NO_POSITIONS, "%s has no POSITION: it is left out", where );
+        rf_gltf_notice( gltf, "%s has no POSITION: it is left out", where );
         return RF_OK;
     }
 

@@ -66,21 +66,6 @@ static bool only_tags( const RfField* environment )
     return json_object_size( environment->json ) == 1 && rf_has_member( environment, "light_group" );
 }
 
-// What objects do to a glTF.
-typedef struct Survey
-{
-    const RfObjects* objects;
-    RfChannel* channels;
-    RfGltfOptions* options;
-} Survey;
-
-static RfResult survey( void* user, const json_t* root, RfError* error )
-{
-    const Survey* s = user;
-    RfResult result = rf_find_nodes( s->objects, root, s->channels, &s->options->channel_count );
-    return result == RF_OK ? error->code : result;
-}
-
 // How a scene is read.
 typedef struct Reading
 {
@@ -105,86 +90,81 @@ static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
                : rf_field_must_be( &field, "a whole number, 29.97 and the like, or a fraction such as \"30000/1001\"" );
 }
 
-static RfResult load_gltf( const RfField* root, const Reading* reading, const RfObjects* objects, RfScene* scene )
+// What is read with the glTF.
+typedef struct Survey
 {
-    const char* name = NULL;
-    RfField field = rf_field_member( root, "scene" );
-    RfResult result = rf_field_text( &field, &name );
-    if ( result != RF_OK )
-        return result;
-    if ( rf_ends_with( name, ".json" ) )
-        return rf_field_must_be( &field, "a .glb or .gltf file" );
-    RfFps fps;
-    bool given;
-    result = read_fps( root, &given, &fps );
-    char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
-    if ( path == NULL )
-        return result != RF_OK ? result : rf_field_no_memory( root );
-    RfChannel* channels = calloc( (size_t)objects->count * RF_OBJECT_PATHS + 1, sizeof *channels );
-    bool in_frames = false;
+    RfField list; // of the objects
+    RfFps fps;    // at which their keys count frames; 0/0: at those that the glTF asks for
+    RfObjects objects;
+    RfChannel* channels; // their keys are the objects'
+    RfGltfOptions* options;
+} Survey;
+
+// Reads what moves in the document. What objects place is not loaded yet.
+static RfResult survey( void* user, const json_t* root, RfError* error )
+{
+    Survey* s = user;
+    RfFps fps = s->fps.numerator > 0 ? s->fps : rf_gltf_document_fps( root );
+    rf_destroy_objects( &s->objects ); // where the file is read again
+    free( s->channels );
+    s->list.error = error;
+    RfResult result = rf_read_objects( &s->list, fps, &s->objects );
+    s->options->channels = s->channels = calloc( (size_t)s->objects.count * RF_OBJECT_PATHS + 1, sizeof *s->channels );
+    if ( result != RF_OK || s->channels == NULL )
+        return result != RF_OK ? result : rf_field_no_memory( &s->list );
+    return rf_find_nodes( &s->objects, root, s->channels, &s->options->channel_count );
+}
+
+// `fps`: 0/0 where the scene file does not say.
+static RfResult load_file( const RfField* root, const Reading* reading, const char* path, RfFps fps, RfScene* scene )
+{
+    bool in_frames = false, given = fps.numerator > 0;
     RfField environment = rf_field_member( root, "environment" );
-    RfGltfOptions edited = { .freeze = reading->options->freeze,
-                             .animation = reading->options->animation,
-                             .variant = reading->options->variant,
-                             .materials = rf_field_member( root, "materials" ),
-                             .lights = rf_field_member( root, "lights" ),
-                             .channels = channels,
-                             .no_environment = environment.json != NULL && !only_tags( &environment ),
-                             .fps = given ? fps : ( RfFps ){ 0, 0 },
-                             .in_frames = &in_frames,
-                             .frozen_at = reading->frozen_at };
-    Survey of_objects = { objects, channels, &edited };
-    edited.survey = survey;
-    edited.user = &of_objects;
-    result = channels != NULL ? rf_load_gltf_with( path, &edited, scene, reading->log, root->error ) : rf_field_no_memory( root );
+    RfGltfOptions options = { .freeze = reading->options->freeze,
+                              .animation = reading->options->animation,
+                              .variant = reading->options->variant,
+                              .materials = rf_field_member( root, "materials" ),
+                              .lights = rf_field_member( root, "lights" ),
+                              .survey = survey,
+                              .no_environment = environment.json != NULL && !only_tags( &environment ),
+                              .fps = fps,
+                              .in_frames = &in_frames,
+                              .frozen_at = reading->frozen_at };
+    Survey s = { .list = rf_field_member( root, "objects" ), .fps = fps, .options = &options };
+    options.user = &s;
+    RfResult result = rf_load_gltf_with( path, &options, scene, reading->log, root->error );
+    in_frames = in_frames || s.objects.in_frames;
     if ( result == RF_OK && in_frames && given )
         scene->fps = fps;
     if ( result == RF_OK && in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
         scene->key_fps = rf_scene_fps( scene );
-    free( channels ); // their keys are the objects'
-    free( path );
-    return result;
-}
-
-// Reads what moves, with keys at `fps`, and the glTF. What objects place is not loaded yet.
-static RfResult load_moving( const RfField* root, const Reading* reading, RfFps fps, RfObjects* objects, RfScene* scene )
-{
-    RfField list = rf_field_member( root, "objects" );
-    RfResult result = rf_read_objects( &list, fps, objects );
-    if ( result == RF_OK )
-        result = load_gltf( root, reading, objects, scene );
-    if ( result == RF_OK && objects->in_frames && scene->key_fps.numerator == 0 )
-        scene->key_fps = fps;
-    return result;
-}
-
-static RfResult load_objects( const RfField* root, const Reading* reading, RfScene* scene )
-{
-    RfObjects objects = { 0 };
-    RfFps fps;
-    bool given;
-    RfResult result = read_fps( root, &given, &fps );
-    if ( result == RF_OK )
-        result = load_moving( root, reading, fps, &objects, scene );
-    if ( result == RF_OK && given && objects.in_frames )
-        scene->fps = fps;
-    RfFps own = scene->fps;
-    // the glTF asks for others, which is known by now
-    if ( result == RF_OK && !given && objects.in_frames && own.numerator > 0 &&
-         ( own.numerator != fps.numerator || own.denominator != fps.denominator ) )
-    {
-        rf_destroy_scene( scene );
-        rf_destroy_objects( &objects );
-        Reading again = { reading->options, reading->frozen_at, NULL };
-        result = load_moving( root, &again, own, &objects, scene );
-    }
     if ( result == RF_OK )
     {
         double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
-        result = rf_place_files( &objects, given ? fps : rf_scene_fps( scene ), reading->options->freeze ? &first : NULL, scene,
+        result = rf_place_files( &s.objects, given ? fps : rf_scene_fps( scene ), reading->options->freeze ? &first : NULL, scene,
                                  reading->log );
     }
-    rf_destroy_objects( &objects );
+    rf_destroy_objects( &s.objects );
+    free( s.channels );
+    return result;
+}
+
+static RfResult load_gltf( const RfField* root, const Reading* reading, RfScene* scene )
+{
+    const char* name = NULL;
+    RfField field = rf_field_member( root, "scene" );
+    RfFps fps;
+    bool given;
+    RfResult result = rf_field_text( &field, &name );
+    if ( result == RF_OK && rf_ends_with( name, ".json" ) )
+        return rf_field_must_be( &field, "a .glb or .gltf file" );
+    if ( result == RF_OK )
+        result = read_fps( root, &given, &fps );
+    char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
+    if ( path == NULL )
+        return result != RF_OK ? result : rf_field_no_memory( root );
+    result = load_file( root, reading, path, given ? fps : ( RfFps ){ 0, 0 }, scene );
+    free( path );
     return result;
 }
 
@@ -435,8 +415,7 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
                           RfError* error )
 {
     RfField root = rf_root_field( &file->document, error ), view = rf_field_member( &root, "view" );
-    RfResult result = rf_has_member( &root, "objects" ) ? load_objects( &root, reading, scene )
-                                                        : load_gltf( &root, reading, &( RfObjects ){ 0 }, scene );
+    RfResult result = load_gltf( &root, reading, scene );
     *first = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
     double before = *first;
     if ( result == RF_OK )
