@@ -155,7 +155,7 @@ typedef struct RfGltf
     int moving_material_count;
 
     const char* noticed[RF_GLTF_NOTICES];
-    uint32_t noticed_extensions; // one bit per row of the table in gltf_extension.c
+    uint64_t noticed_extensions; // one bit per row of the table in gltf_extension.c
 } RfGltf;
 
 // A formatted name, for `where`.

@@ -11,145 +11,103 @@
 // Limit of unknown extensions reported per file.
 #define MAX_NAMED 32
 
-// Fully supported: a file may require these.
-static const char* const s_read[] = {
-    "KHR_materials_emissive_strength",
-    "KHR_materials_specular",
-    "KHR_materials_ior",
-    "KHR_materials_transmission",
-    "KHR_materials_volume",
-    "KHR_materials_unlit",
-    "KHR_materials_clearcoat",
-    "KHR_lights_punctual",
-    "KHR_texture_transform",
-    "KHR_mesh_quantization",
-    "EXT_mesh_gpu_instancing",
-    "KHR_node_visibility",
-    "KHR_animation_pointer",
-    "EXT_texture_exr",
-    "KHR_materials_diffuse_transmission",
-    "KHR_materials_sheen",
-    "KHR_materials_variants",
-    "KHR_materials_anisotropy",
-    "KHR_materials_iridescence",
-    "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_dispersion",
-};
+static bool never( void ) { return false; }
 
-// Without effect on pictures: metadata, sounds, what users do, levels of detail besides the finest.
-static const char* const s_harmless[] = {
-    "KHR_xmp",
-    "KHR_xmp_json_ld",
-    "KHR_audio_emitter",
-    "KHR_node_hoverability",
-    "KHR_node_selectability",
-    "EXT_structural_metadata",
-    "EXT_mesh_features",
-    "EXT_instance_features",
-    "EXT_feature_metadata",
-    "AGI_stk_metadata",
-    "FB_geometry_metadata",
-    "FB_ngon_encoding",
-    "MSFT_audio_emitter",
-    "MSFT_lod",
-};
-
-// Not supported, with what the user sees instead. Objects that use one are reported.
-static const struct
+// What is done with an extension, which a file may require where it is read.
+typedef struct Extension
 {
     const char* name;
-    const char* instead;
-} s_unread[] = {
-    { "KHR_materials_volume_scatter",
-      "dense bodies are rendered opaque, in the colour of their multiple scattering, others without scattering inside" },
-    { "KHR_texture_basisu", "its other image is used" },
-    { "EXT_texture_avif", "its other image is used" },
-    { "EXT_texture_webp", "its other image is used" }, // of a build without libwebp
-    { "MSFT_texture_dds", "its other image is used" },
-    { "KHR_interactivity", "it is as before anything happens" },
-    { "EXT_lights_image_based", "it is rendered without that light: name an image by \"environment\" in a scene file" },
-    { "EXT_lights_ies", "it shines without its profile" },
+    bool ( *is_read )( void ); // NULL: always
+    const char* library;       // without which it is not
+    const char* instead;       // what the user sees where it is not read; objects that use it are reported
+    const char* advice;        // of images that are not decoded: what to do
+} Extension;
+
+#define READ NULL, NULL, NULL, NULL
+#define HARMLESS READ // nothing is lost without it
+#define OTHER_IMAGE NULL, "its other image is used"
+
+static const Extension s_extensions[] = {
+    { "KHR_materials_emissive_strength", READ },
+    { "KHR_materials_specular", READ },
+    { "KHR_materials_ior", READ },
+    { "KHR_materials_transmission", READ },
+    { "KHR_materials_volume", READ },
+    { "KHR_materials_unlit", READ },
+    { "KHR_materials_clearcoat", READ },
+    { "KHR_lights_punctual", READ },
+    { "KHR_texture_transform", READ },
+    { "KHR_mesh_quantization", READ },
+    { "EXT_mesh_gpu_instancing", READ },
+    { "KHR_node_visibility", READ },
+    { "KHR_animation_pointer", READ },
+    { "EXT_texture_exr", READ },
+    { "KHR_materials_diffuse_transmission", READ },
+    { "KHR_materials_sheen", READ },
+    { "KHR_materials_variants", READ },
+    { "KHR_materials_anisotropy", READ },
+    { "KHR_materials_iridescence", READ },
+    { "KHR_materials_pbrSpecularGlossiness", READ },
+    { "KHR_materials_dispersion", READ },
+    // metadata, sounds, what users do, levels of detail besides the finest
+    { "KHR_xmp", HARMLESS },
+    { "KHR_xmp_json_ld", HARMLESS },
+    { "KHR_audio_emitter", HARMLESS },
+    { "KHR_node_hoverability", HARMLESS },
+    { "KHR_node_selectability", HARMLESS },
+    { "EXT_structural_metadata", HARMLESS },
+    { "EXT_mesh_features", HARMLESS },
+    { "EXT_instance_features", HARMLESS },
+    { "EXT_feature_metadata", HARMLESS },
+    { "AGI_stk_metadata", HARMLESS },
+    { "FB_geometry_metadata", HARMLESS },
+    { "FB_ngon_encoding", HARMLESS },
+    { "MSFT_audio_emitter", HARMLESS },
+    { "MSFT_lod", HARMLESS },
+    { "KHR_draco_mesh_compression", rf_gltf_has_draco, "Draco", NULL, NULL },
+    { "EXT_meshopt_compression", rf_gltf_has_meshopt, "meshoptimizer", NULL, NULL },
+    { "KHR_meshopt_compression", rf_gltf_has_meshopt, "meshoptimizer", NULL, NULL },
+    { "KHR_materials_volume_scatter", never, NULL,
+      "dense bodies are rendered opaque, in the colour of their multiple scattering, others without scattering inside", NULL },
+    { "KHR_texture_basisu", never, OTHER_IMAGE,
+      "KTX2 images are not supported: convert them by `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, which "
+      "needs Khronos' KTX-Software" },
+    { "EXT_texture_avif", never, OTHER_IMAGE,
+      "AVIF images are not supported: convert them by `npx @gltf-transform/cli png --formats \"*\" in.glb out.glb`" },
+    { "EXT_texture_webp", rf_decodes_webp, OTHER_IMAGE,
+      "this Reframe was built without libwebp: convert the images by `npx @gltf-transform/cli png --formats \"*\" "
+      "in.glb out.glb`" },
+    { "MSFT_texture_dds", never, OTHER_IMAGE, "DDS images are not supported: store them as PNG" },
+    { "KHR_interactivity", never, NULL, "it is as before anything happens", NULL },
+    { "EXT_lights_image_based", never, NULL,
+      "it is rendered without that light: name an image by \"environment\" in a scene file", NULL },
+    { "EXT_lights_ies", never, NULL, "it shines without its profile", NULL },
 };
 
 #define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
 
-_Static_assert( COUNT_OF( s_unread ) <= 32, "RfGltf.noticed_extensions has a bit for each" );
+_Static_assert( COUNT_OF( s_extensions ) <= 64, "RfGltf.noticed_extensions has a bit for each" );
 
-static bool is_listed( const char* name, const char* const* list, size_t count )
+// NULL: it is unknown.
+static const Extension* find_extension( const char* name )
 {
-    for ( size_t i = 0; i < count; ++i )
+    for ( size_t i = 0; i < COUNT_OF( s_extensions ); ++i )
     {
-        if ( strcmp( name, list[i] ) == 0 )
-            return true;
+        if ( strcmp( name, s_extensions[i].name ) == 0 )
+            return s_extensions + i;
     }
-    return false;
+    return NULL;
 }
 
-// Of meshes and buffers: read where the build has the library.
-static const struct
-{
-    const char *name, *library;
-    bool ( *is_built )( void );
-} s_packed[] = {
-    { "KHR_draco_mesh_compression", "Draco", rf_gltf_has_draco },
-    { "EXT_meshopt_compression", "meshoptimizer", rf_gltf_has_meshopt },
-    { "KHR_meshopt_compression", "meshoptimizer", rf_gltf_has_meshopt },
-};
+static bool is_read( const Extension* e ) { return e != NULL && ( e->is_read == NULL || e->is_read() ); }
 
-// Its row of s_packed, or −1.
-static int find_packed( const char* name )
-{
-    for ( size_t i = 0; i < COUNT_OF( s_packed ); ++i )
-    {
-        if ( strcmp( name, s_packed[i].name ) == 0 )
-            return (int)i;
-    }
-    return -1;
-}
-
-// The library of an extension that this build lacks, or NULL.
-static const char* missing_library( const char* extension )
-{
-    int row = find_packed( extension );
-    return row >= 0 && !s_packed[row].is_built() ? s_packed[row].library : NULL;
-}
-
-bool rf_gltf_reads( const char* extension )
-{
-    return is_listed( extension, s_read, COUNT_OF( s_read ) ) ||
-           ( rf_decodes_webp() && strcmp( extension, "EXT_texture_webp" ) == 0 ) ||
-           ( find_packed( extension ) >= 0 && missing_library( extension ) == NULL );
-}
-
-// Nothing is lost.
-static bool is_read( const char* name ) { return rf_gltf_reads( name ) || is_listed( name, s_harmless, COUNT_OF( s_harmless ) ); }
-
-// Images that are not decoded, with what to do.
-static const struct
-{
-    const char* name;
-    const char* advice;
-} s_images[] = {
-    { "KHR_texture_basisu",
-      "KTX2 images are not supported: convert them by `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, which "
-      "needs Khronos' KTX-Software" },
-    { "EXT_texture_webp",
-      "this Reframe was built without libwebp: convert the images by `npx @gltf-transform/cli png --formats \"*\" "
-      "in.glb out.glb`" },
-    { "EXT_texture_avif",
-      "AVIF images are not supported: convert them by `npx @gltf-transform/cli png --formats \"*\" in.glb out.glb`" },
-    { "MSFT_texture_dds", "DDS images are not supported: store them as PNG" },
-};
+bool rf_gltf_reads( const char* extension ) { return is_read( find_extension( extension ) ); }
 
 // What to do about an image of this extension, or NULL.
 static const char* find_image_advice( const char* name )
 {
-    for ( size_t i = 0; i < COUNT_OF( s_images ); ++i )
-    {
-        if ( strcmp( name, s_images[i].name ) == 0 && !rf_gltf_reads( name ) )
-            return s_images[i].advice;
-    }
-    return NULL;
+    const Extension* e = find_extension( name );
+    return e != NULL && !is_read( e ) ? e->advice : NULL;
 }
 
 RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture )
@@ -167,11 +125,11 @@ RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture )
 
 static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
 {
-    if ( missing_library( name ) != NULL )
-        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name, missing_library( name ) );
-    const char* advice = find_image_advice( name );
-    if ( advice != NULL )
-        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%s: %s", name, advice );
+    const Extension* e = find_extension( name );
+    if ( e != NULL && e->library != NULL )
+        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name, e->library );
+    if ( e != NULL && e->advice != NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%s: %s", name, e->advice );
     return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not supported: export the scene without it",
                          name );
 }
@@ -186,31 +144,30 @@ RfResult rf_gltf_check_required( RfGltf* gltf )
         const char* name = json_string_value( json_array_get( list, i ) );
         if ( name == NULL )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] must be a string", i );
-        if ( is_read( name ) == false )
+        if ( !rf_gltf_reads( name ) )
             result = fail_unsupported( gltf, name );
     }
     return result;
 }
 
-// Warns once of row i, of which `user` makes use.
-static void notice_row( RfGltf* gltf, size_t i, const char* user )
+// Warns once of an extension, of which `user` makes use.
+static void notice_extension( RfGltf* gltf, const Extension* e, const char* user )
 {
-    uint32_t bit = 1u << i;
+    uint64_t bit = (uint64_t)1 << ( e - s_extensions );
     if ( ( gltf->noticed_extensions & bit ) == 0 )
-        rf_warn( gltf->log, "%s: %s is not supported yet: %s: %s", gltf->path, s_unread[i].name, user, s_unread[i].instead );
+        rf_warn( gltf->log, "%s: %s is not supported yet: %s: %s", gltf->path, e->name, user, e->instead );
     gltf->noticed_extensions |= bit;
 }
 
 void rf_gltf_notice_extensions( RfGltf* gltf, const RfField* object, const char* kind, const char* name )
 {
     const json_t* extensions = json_object_get( object->json, "extensions" );
-    if ( json_object_size( extensions ) == 0 )
-        return;
     RfWhere user = rf_where( "%s '%.80s'", kind, name );
-    for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
+    for ( size_t i = 0; json_object_size( extensions ) > 0 && i < COUNT_OF( s_extensions ); ++i )
     {
-        if ( json_object_get( extensions, s_unread[i].name ) != NULL && !is_read( s_unread[i].name ) )
-            notice_row( gltf, i, user.text );
+        const Extension* e = s_extensions + i;
+        if ( e->instead != NULL && !is_read( e ) && json_object_get( extensions, e->name ) != NULL )
+            notice_extension( gltf, e, user.text );
     }
 }
 
@@ -285,28 +242,23 @@ static bool find_user( const RfGltf* gltf, const char* extension, RfWhere* user 
 static void notice_used( RfGltf* gltf, const char* name, int* unknown )
 {
     RfWhere user;
-    if ( is_read( name ) )
+    const Extension* e = find_extension( name );
+    if ( is_read( e ) )
         return;
-    for ( size_t i = 0; i < COUNT_OF( s_unread ); ++i )
-    {
-        if ( strcmp( name, s_unread[i].name ) != 0 )
-            continue;
-        if ( ( gltf->noticed_extensions >> i & 1 ) == 0 && find_user( gltf, name, &user ) )
-            notice_row( gltf, i, user.text );
-        return;
-    }
-    const char* library = missing_library( name );
-    if ( library != NULL )
-    {
+    if ( e != NULL && e->library != NULL )
         rf_warn( gltf->log, "%s: %s needs %s, which this build of reframe lacks: the uncompressed meshes are taken", gltf->path,
-                 name, library );
-        return;
+                 name, e->library );
+    else if ( e != NULL )
+    {
+        if ( ( gltf->noticed_extensions >> ( e - s_extensions ) & 1 ) == 0 && find_user( gltf, name, &user ) )
+            notice_extension( gltf, e, user.text );
     }
-    if ( ++*unknown > MAX_NAMED )
-        return;
-    bool found = find_user( gltf, name, &user );
-    rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds%s%s is left out", gltf->path, name, found ? " to " : "",
-             found ? user.text : "" );
+    else if ( ++*unknown <= MAX_NAMED )
+    {
+        bool found = find_user( gltf, name, &user );
+        rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds%s%s is left out", gltf->path, name, found ? " to " : "",
+                 found ? user.text : "" );
+    }
 }
 
 RfResult rf_gltf_notice_unread( RfGltf* gltf )
