@@ -28,6 +28,15 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
     return RF_OK;
 }
 
+RfResult rf_gltf_whole_view( const RfGltf* gltf, const char* where, int view, uint64_t most, const uint8_t** bytes, size_t* size )
+{
+    int64_t length = 0;
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
+    RfResult result = rf_get_integer( &json, "byteLength", 1, (int64_t)most, &length );
+    *size = (size_t)length;
+    return result == RF_OK ? rf_gltf_view_bytes( gltf, where, view, 0, (uint64_t)length, bytes ) : result;
+}
+
 // The stride of a view for elements of `element` bytes.
 static RfResult view_stride( const RfGltf* gltf, int view, uint64_t element, uint64_t* stride )
 {

@@ -42,7 +42,7 @@ static bool decode_base64( const char* text, size_t length, uint8_t* bytes )
     return true;
 }
 
-RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size )
+static RfResult decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size )
 {
     const char* comma = strchr( uri, ',' );
     if ( comma == NULL || comma - uri < 7 || strncmp( comma - 7, ";base64", 7 ) != 0 )
@@ -158,6 +158,20 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
     return RF_OK;
 }
 
+RfResult rf_gltf_read_uri( const RfGltf* gltf, const char* where, const char* uri, uint64_t limit, uint8_t** bytes, size_t* size )
+{
+    if ( rf_is_data_uri( uri ) )
+        return decode_data_uri( gltf, where, uri, bytes, size );
+    char* path;
+    RfError error;
+    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_file( path, limit, bytes, size, &error );
+    free( path );
+    return result == RF_OK ? RF_OK : rf_gltf_fail( gltf, result, where, "%.560s", error.text );
+}
+
 // Buffers and buffer views. All sizes are compared as 64-bit differences, which cannot
 // overflow.
 
@@ -167,24 +181,6 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
 // Limit of what compressed views hold, since few bytes may stand for many.
 #define LEAST_ROOM ( (uint64_t)1 << 30 )
 #define ROOM_PER_BYTE 256
-
-static RfResult load_uri( RfGltf* gltf, const char* where, const char* uri, uint64_t limit, RfGltfBuffer* buffer, size_t* size )
-{
-    if ( rf_is_data_uri( uri ) )
-        return rf_gltf_decode_data_uri( gltf, where, uri, &buffer->owned, size );
-    char* path;
-    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
-    if ( result != RF_OK )
-        return result;
-    RfError error;
-    result = rf_read_file( path, limit, &buffer->owned, size, &error );
-    free( path );
-    if ( result != RF_OK )
-        return rf_gltf_fail( gltf, result, where, "%.560s", error.text );
-    // data inside the document is covered by the hash of the file itself
-    gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, buffer->owned, *size );
-    return RF_OK;
-}
 
 static RfResult fail_empty( const RfGltf* gltf, const char* where )
 {
@@ -233,9 +229,11 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
     }
     if ( uri != NULL )
     {
-        result = load_uri( gltf, json.path, uri, *room, buffer, &size );
+        result = rf_gltf_read_uri( gltf, json.path, uri, *room, &buffer->owned, &size );
         if ( result != RF_OK )
             return result;
+        if ( !rf_is_data_uri( uri ) ) // data inside the document is covered by the hash of the file itself
+            gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, buffer->owned, size );
         *room -= size < *room ? size : *room;
         buffer->data = buffer->owned;
     }

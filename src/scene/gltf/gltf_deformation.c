@@ -219,16 +219,6 @@ RfResult rf_gltf_read_targets( RfGltf* gltf, const RfField* json, const RfGltfPr
 // Exporters write the last row of a matrix with rounding errors.
 #define AFFINE_TOLERANCE 1e-5f
 
-static RfResult read_joint( const RfGltf* gltf, const json_t* joints, const char* where, size_t at, int* joint )
-{
-    const json_t* value = json_array_get( joints, at );
-    int count = gltf->counts[RF_GLTF_NODES];
-    if ( !json_is_integer( value ) || json_integer_value( value ) < 0 || json_integer_value( value ) >= count )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints[%zu] must be an index below %d", at, count );
-    *joint = (int)json_integer_value( value );
-    return RF_OK;
-}
-
 static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* skin )
 {
     const char* where = json->path;
@@ -246,7 +236,7 @@ static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* sk
     skin->joint_count = (int)count;
     for ( size_t i = 0; result == RF_OK && i < count; ++i )
     {
-        result = read_joint( gltf, joints, where, i, skin->joints + i );
+        result = rf_gltf_read_node_index( gltf, joints, i, where, "joints", skin->joints + i );
         skin->inverse_binds[i] = rf_mat4_identity();
     }
     return result;

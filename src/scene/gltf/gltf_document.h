@@ -246,8 +246,9 @@ RfResult rf_gltf_notice_unread( RfGltf* gltf );
 // True for a data: URI (gltf_buffer.c).
 bool rf_is_data_uri( const char* uri );
 
-// Decodes a base64 data: URI; the caller frees the bytes.
-RfResult rf_gltf_decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size );
+// Reads the bytes that a URI names, a base64 data: URI or a file; the caller frees them.
+RfResult rf_gltf_read_uri( const RfGltf* gltf, const char* where, const char* uri, uint64_t limit, uint8_t** bytes,
+                           size_t* size );
 
 // Converts a relative URI to a path beside the file; the caller frees it.
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
@@ -277,6 +278,10 @@ void rf_gltf_free_buffers( RfGltf* gltf );
 // The bytes of a view (gltf_accessor.c) from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
                              const uint8_t** bytes );
+
+// All of a view, which may have so many.
+RfResult rf_gltf_whole_view( const RfGltf* gltf, const char* where, int view, uint64_t most, const uint8_t** bytes,
+                             size_t* size );
 
 // The bytes that `buffer`, `byteOffset` and `byteLength` of an object name.
 RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* object, const uint8_t** bytes, uint64_t* length );
@@ -342,6 +347,10 @@ int rf_gltf_use_count( const RfGltf* gltf );
 int rf_gltf_mesh_of( const RfGltf* gltf, int use );
 uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material );
 
+// Reads item `at` of a list of nodes that is called `key` (gltf_node.c).
+RfResult rf_gltf_read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
+                                  int* node );
+
 // Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 
@@ -373,11 +382,20 @@ static inline bool rf_gltf_moves( const RfGltf* gltf, int node )
     return gltf->nodes[node].span.start <= gltf->nodes[node].span.end;
 }
 
-// Do its transforms differ over time, or those of an ancestor?
-bool rf_gltf_varies( const RfGltf* gltf, int node );
+// Do some of its properties differ over time, or those of an ancestor (gltf_shot.c)?
+bool rf_gltf_has_varying( const RfGltf* gltf, int node, RfAnimatedPath first, RfAnimatedPath last );
+
+// Do its transforms?
+static inline bool rf_gltf_varies( const RfGltf* gltf, int node )
+{
+    return rf_gltf_moves( gltf, node ) && rf_gltf_has_varying( gltf, node, RF_TRANSLATION, RF_SCALE );
+}
 
 // Does it move, or is it shown and hidden, as the file has it?
-bool rf_gltf_changes( const RfGltf* gltf, int node );
+static inline bool rf_gltf_changes( const RfGltf* gltf, int node )
+{
+    return rf_gltf_varies( gltf, node ) || rf_gltf_has_varying( gltf, node, RF_VISIBILITY, RF_VISIBILITY );
+}
 
 // At which time a node that does not move here is placed.
 static inline double rf_gltf_rest_time( const RfGltf* gltf, int node )

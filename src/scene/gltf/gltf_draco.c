@@ -67,16 +67,14 @@ static RfResult open_mesh( const RfGltf* gltf, int view, RfGltfUnpackedView** ou
     *out = gltf->unpacked->views + view;
     if ( ( *out )->attributes != NULL )
         return RF_OK;
-    int64_t length = 0;
+    size_t length = 0;
     const uint8_t* bytes;
-    RfResult result = rf_get_integer( &json, "byteLength", 1, INT64_MAX, &length );
-    if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, json.path, view, 0, (uint64_t)length, &bytes );
+    RfResult result = rf_gltf_whole_view( gltf, json.path, view, INT64_MAX, &bytes, &length );
     if ( result != RF_OK )
         return result;
     uint64_t most_faces = LEAST_FACES + FACES_PER_BYTE * (uint64_t)length;
     most_faces = most_faces < MOST_FACES ? most_faces : MOST_FACES;
-    RfDracoResult decoded = rf_draco_decode( bytes, (size_t)length, most_faces, gltf->unpacked->room, &( *out )->mesh );
+    RfDracoResult decoded = rf_draco_decode( bytes, length, most_faces, gltf->unpacked->room, &( *out )->mesh );
     if ( decoded != RF_DRACO_OK )
         return fail_decode( gltf, json.path, decoded, most_faces );
     return copy_indices( gltf, json.path, *out );

@@ -141,7 +141,7 @@ static RfResult read_view( RfGltf* gltf, const RfField* field, RfProfile** out )
     static const char* const s_keys[] = { "bufferView", NULL };
     const uint8_t* bytes = NULL;
     int number = 0;
-    int64_t length = 0;
+    size_t length = 0;
     RfError error = { 0 };
     rf_field_keys( field, s_keys );
     rf_field_require( field, "bufferView", "the number of a buffer view" );
@@ -149,13 +149,10 @@ static RfResult read_view( RfGltf* gltf, const RfField* field, RfProfile** out )
     RfResult result = rf_field_whole( &view, 0.0, (double)gltf->counts[RF_GLTF_BUFFER_VIEWS] - 1.0, &number );
     if ( result != RF_OK )
         return result;
-    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, number );
-    result = rf_get_integer( &json, "byteLength", 1, (int64_t)RF_PROFILE_BYTES, &length );
-    if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, view.path, number, 0, (uint64_t)length, &bytes );
+    result = rf_gltf_whole_view( gltf, view.path, number, RF_PROFILE_BYTES, &bytes, &length );
     if ( result != RF_OK )
         return result;
-    result = rf_read_ies( json.path, bytes, (size_t)length, out, &error );
+    result = rf_read_ies( rf_where( "bufferViews[%d]", number ).text, bytes, length, out, &error );
     return result == RF_OK ? RF_OK : rf_field_fail_as( field, result, &error );
 }
 
@@ -493,16 +490,13 @@ static RfResult load_map( RfGltf* gltf, const RfField* object, RfEnvironmentText
 // The bytes of the file, and with them those of the view, are in the scene's hash already.
 static RfResult decode_map( const RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
 {
-    int64_t length = 0;
+    size_t length = 0;
     const uint8_t* bytes = NULL;
     RfField field = rf_field_member( object, "bufferView" );
     if ( text->view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
         return rf_field_fail( &field, "names bufferView %d, but there are %d", text->view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
-    RfField view = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, text->view );
-    RfResult result = rf_get_integer( &view, "byteLength", 1, INT64_MAX, &length );
-    if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, object->path, text->view, 0, (uint64_t)length, &bytes );
-    return result == RF_OK ? rf_decode_environment( object, bytes, (size_t)length, text ) : result;
+    RfResult result = rf_gltf_whole_view( gltf, object->path, text->view, INT64_MAX, &bytes, &length );
+    return result == RF_OK ? rf_decode_environment( object, bytes, length, text ) : result;
 }
 
 static RfResult load_environment( RfGltf* gltf, const RfField* object )

@@ -214,17 +214,6 @@ static RfResult find_mesh( Builder* b, const RfGltfShape* shape, int* index )
     return result;
 }
 
-static bool does_scale_vary( const RfScene* scene, int node )
-{
-    for ( ; node >= 0; node = scene->nodes[node].parent )
-    {
-        int scale = find_channel( scene, node, RF_SCALE );
-        if ( scale >= 0 && rf_channel_varies( scene->channels + scale ) )
-            return true;
-    }
-    return false;
-}
-
 static bool is_flat( const RfMat4* m )
 {
     double longest = 0.0;
@@ -234,9 +223,10 @@ static bool is_flat( const RfMat4* m )
 }
 
 // Scales that stand still multiply, whatever turns between them.
-static bool may_flatten( const RfScene* scene, int node, const RfMat4* local )
+static bool may_flatten( const RfGltf* gltf, int node, const RfMat4* local )
 {
-    if ( does_scale_vary( scene, node ) )
+    const RfScene* scene = gltf->scene;
+    if ( rf_gltf_has_varying( gltf, node, RF_SCALE, RF_SCALE ) )
         return true;
     RfMat4 world = *local;
     for ( ; node >= 0; node = scene->nodes[node].parent )
@@ -290,7 +280,7 @@ static RfResult add_mover( Builder* b, const Common* common, const RfMat4* local
     *mover = common->mover;
     mover->local = *local;
     mover->settles = common->still;
-    mover->flattens = mover->skin < 0 && may_flatten( scene, common->node, local );
+    mover->flattens = mover->skin < 0 && may_flatten( b->gltf, common->node, local );
     scene->placements[scene->placement_count++] =
         ( RfPlacement ){ .mesh = common->mesh, .matrix = rf_mat4_identity(), .mover = index, .node = 1 + common->node };
     scene->instance_count += common->primitives;

@@ -139,9 +139,8 @@ static RfResult load_node( RfGltf* gltf, int index )
     return rf_json_result( &json ) == RF_OK ? normalise_rotation( &json, node->rotation ) : rf_json_result( &json );
 }
 
-// Reads one index of an array, such as children[2].
-static RfResult read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
-                                 int* node )
+RfResult rf_gltf_read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
+                                  int* node )
 {
     const json_t* value = json_array_get( list, at );
     if ( json_is_integer( value ) == 0 || json_integer_value( value ) < 0 ||
@@ -162,7 +161,7 @@ static RfResult link_children( RfGltf* gltf, int parent )
     for ( size_t i = 0; result == RF_OK && i < json_array_size( children ); ++i )
     {
         int child = 0;
-        result = read_node_index( gltf, children, i, json.path, "children", &child );
+        result = rf_gltf_read_node_index( gltf, children, i, json.path, "children", &child );
         if ( result != RF_OK )
             break;
         RfNode* node = gltf->scene->nodes + child;
@@ -242,7 +241,7 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
     for ( size_t i = 0; result == RF_OK && i < json_array_size( roots ); ++i )
     {
         int root = 0;
-        result = read_node_index( gltf, roots, i, json.path, "nodes", &root );
+        result = rf_gltf_read_node_index( gltf, roots, i, json.path, "nodes", &root );
         if ( result != RF_OK )
             break;
         if ( depth[root] == 0 )

@@ -150,35 +150,16 @@ RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* 
     return RF_OK;
 }
 
-bool rf_gltf_varies( const RfGltf* gltf, int node )
+bool rf_gltf_has_varying( const RfGltf* gltf, int node, RfAnimatedPath first, RfAnimatedPath last )
 {
     const RfScene* scene = gltf->scene;
-    if ( !rf_gltf_moves( gltf, node ) )
-        return false;
     for ( ; node >= 0; node = scene->nodes[node].parent )
     {
         int count;
         const RfChannel* channels = rf_node_channels( scene, node, &count );
         for ( int i = 0; i < count; ++i )
         {
-            if ( channels[i].path <= RF_SCALE && rf_channel_varies( channels + i ) )
-                return true;
-        }
-    }
-    return false;
-}
-
-bool rf_gltf_changes( const RfGltf* gltf, int node )
-{
-    if ( rf_gltf_varies( gltf, node ) )
-        return true;
-    for ( ; node >= 0; node = gltf->scene->nodes[node].parent )
-    {
-        int count;
-        const RfChannel* channels = rf_node_channels( gltf->scene, node, &count );
-        for ( int i = 0; i < count; ++i )
-        {
-            if ( channels[i].path == RF_VISIBILITY && rf_channel_varies( channels + i ) )
+            if ( channels[i].path >= first && channels[i].path <= last && rf_channel_varies( channels + i ) )
                 return true;
         }
     }

@@ -128,32 +128,6 @@ typedef struct Encoded
     bool outside; // in a file of its own, which the hash of the scene lacks
 } Encoded;
 
-static RfResult read_uri( RfGltf* gltf, const char* where, const char* uri, Encoded* out )
-{
-    if ( rf_is_data_uri( uri ) )
-        return rf_gltf_decode_data_uri( gltf, where, uri, &out->owned, &out->size );
-    char* path;
-    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
-    if ( result != RF_OK )
-        return result;
-    RfError error;
-    result = rf_read_file( path, RF_MAX_IMAGE_BYTES, &out->owned, &out->size, &error );
-    free( path );
-    out->outside = result == RF_OK;
-    return result == RF_OK ? RF_OK : rf_gltf_fail( gltf, result, where, "%.560s", error.text );
-}
-
-static RfResult read_view( const RfGltf* gltf, const char* where, int view, Encoded* out )
-{
-    int64_t length = 0;
-    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
-    RfResult result = rf_get_integer( &json, "byteLength", 1, INT64_MAX, &length );
-    if ( result == RF_OK )
-        result = rf_gltf_view_bytes( gltf, where, view, 0, (uint64_t)length, &out->bytes );
-    out->size = (size_t)length;
-    return result;
-}
-
 static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encoded* out )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_IMAGES, index );
@@ -164,7 +138,9 @@ static RfResult read_encoded( RfGltf* gltf, int index, const char* where, Encode
         return rf_json_result( &json );
     if ( ( uri != NULL ) == ( view >= 0 ) )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "must have either uri or bufferView" );
-    result = uri != NULL ? read_uri( gltf, where, uri, out ) : read_view( gltf, where, view, out );
+    result = uri != NULL ? rf_gltf_read_uri( gltf, where, uri, RF_MAX_IMAGE_BYTES, &out->owned, &out->size )
+                         : rf_gltf_whole_view( gltf, where, view, INT64_MAX, &out->bytes, &out->size );
+    out->outside = result == RF_OK && uri != NULL && !rf_is_data_uri( uri );
     out->bytes = out->owned != NULL ? out->owned : out->bytes;
     return result;
 }
