@@ -328,15 +328,10 @@ static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGlt
     return result;
 }
 
-RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
+RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const char* user, int components, const RfGltfAccessor** accessor )
 {
-    return open_accessor( gltf, index, false, accessor );
-}
-
-RfResult rf_gltf_open_matrices( RfGltf* gltf, int index, const RfGltfAccessor** accessor )
-{
-    RfResult result = open_accessor( gltf, index, true, accessor );
-    return result == RF_OK ? rf_gltf_expect( gltf, index, *accessor, "skins", 16 ) : result;
+    RfResult result = open_accessor( gltf, index, components == 16, accessor );
+    return result == RF_OK && components > 0 ? rf_gltf_expect( gltf, index, *accessor, user, components ) : result;
 }
 
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components )

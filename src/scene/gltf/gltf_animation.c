@@ -1,6 +1,6 @@
 // Animations: the channels of all of them merged into one list sorted by node, and the time
 // span in which each node moves.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "scene/animation.h"
 #include "scene/camera_path/curve.h"
@@ -126,11 +126,9 @@ static RfResult read_sampler( RfGltf* gltf, Loader* loader, const RfField* json,
         output = rf_gltf_get_index( gltf, json, "output", RF_GLTF_ACCESSORS );
     RfResult result = rf_json_result( json );
     if ( result == RF_OK )
-        result = rf_gltf_open_accessor( gltf, input, &times );
+        result = rf_gltf_open_accessor( gltf, input, where, 1, &times );
     if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, input, times, where, 1 );
-    if ( result == RF_OK )
-        result = rf_gltf_open_accessor( gltf, output, &values );
+        result = rf_gltf_open_accessor( gltf, output, where, 0, &values );
     if ( result != RF_OK )
         return result;
 

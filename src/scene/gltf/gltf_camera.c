@@ -1,6 +1,6 @@
 // Cameras: one for each node of the default scene that has a camera.
 
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "reframe/camera.h"
 #include "scene/animation.h"

@@ -1,5 +1,5 @@
 // What changes by keys and is not of a node: the list of it, and its way into the scene.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "scene/animation.h"
 #include "scene/placement.h"
@@ -136,6 +136,19 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
     rf_sample_change( found, frozen ? gltf->frozen_at : 0.0, values );
     memcpy( still, values, (size_t)found->channel.components * sizeof *still );
     return -1;
+}
+
+void rf_gltf_find_changes( const RfGltf* gltf, RfValueOwner owner, int of, void* still, void* most, int* changes )
+{
+    for ( RfChangedValue v = rf_next_value( owner, 0 ); v < RF_CHANGED_COUNT; v = rf_next_value( owner, (int)v + 1 ) )
+    {
+        double all[4];
+        double* own = rf_value_in( still, v );
+        changes[v] = rf_gltf_find_change( gltf, v, of, 0, own );
+        if ( changes[v] >= 0 )
+            rf_most_of_change( gltf->changes + changes[v], all );
+        memcpy( rf_value_in( most, v ), changes[v] >= 0 ? all : own, (size_t)rf_changed_traits( v )->components * sizeof *all );
+    }
 }
 
 bool rf_gltf_light_changes( const RfGltf* gltf, int index )

@@ -88,9 +88,7 @@ static RfResult open_delta( RfGltf* gltf, const RfField* target, const char* nam
     if ( *index < 0 )
         return rf_json_result( target );
     const RfGltfAccessor* accessor;
-    RfResult result = rf_gltf_open_accessor( gltf, *index, &accessor );
-    if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, *index, accessor, target->path, 3 );
+    RfResult result = rf_gltf_open_accessor( gltf, *index, target->path, 3, &accessor );
     if ( result == RF_OK && accessor->count != count )
         return rf_field_fail( target, "%s has %u elements, the primitive has %u", name, accessor->count, count );
     if ( result == RF_OK && accessor->data == NULL && accessor->sparse_count == 0 )
@@ -266,7 +264,7 @@ static RfResult read_inverse_binds( RfGltf* gltf, const RfField* json, RfSkin* s
     if ( index < 0 )
         return rf_json_result( json );
     const RfGltfAccessor* accessor;
-    RfResult result = rf_gltf_open_matrices( gltf, index, &accessor );
+    RfResult result = rf_gltf_open_accessor( gltf, index, "skins", 16, &accessor );
     if ( result != RF_OK )
         return result;
     if ( accessor->count < (uint32_t)skin->joint_count )
@@ -311,9 +309,7 @@ static RfResult open_influence( RfGltf* gltf, const RfField* primitive, const ch
     if ( result != RF_OK || *index < 0 )
         return result;
     const RfGltfAccessor* accessor;
-    result = rf_gltf_open_accessor( gltf, *index, &accessor );
-    if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, *index, accessor, where, 4 );
+    result = rf_gltf_open_accessor( gltf, *index, where, 4, &accessor );
     if ( result != RF_OK )
         return result;
     bool whole = accessor->component_type == 5121 || accessor->component_type == 5123, real = accessor->component_type == 5126;

@@ -315,11 +315,8 @@ int rf_gltf_component_size( int component_type );
 // Reads count, type and component type of an accessor.
 RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* object, bool matrix, RfGltfAccessor* out );
 
-// Finds a validated accessor (gltf_accessor.c).
-RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
-
-// One of 4×4 matrices of floats.
-RfResult rf_gltf_open_matrices( RfGltf* gltf, int index, const RfGltfAccessor** accessor );
+// Finds a validated accessor of that many components, with 16 a 4×4 matrix of floats; 0: of any. `user` names the attribute.
+RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const char* user, int components, const RfGltfAccessor** accessor );
 
 // Fails unless the accessor has `components` components; `user` names the attribute.
 RfResult rf_gltf_expect( const RfGltf* gltf, int index, const RfGltfAccessor* accessor, const char* user, int components );

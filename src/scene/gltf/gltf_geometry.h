@@ -61,7 +61,7 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
 void rf_gltf_finish_baker( RfGltfBaker* baker );
 
 // The instances of a node's mesh and their transforms within the node; a single one without
-// the extension (gltf_instancing.c).
+// the extension (gltf_node.c).
 typedef struct RfGltfInstances
 {
     uint32_t count;
@@ -95,7 +95,7 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
 bool rf_gltf_has_eight_joints( const json_t* primitive );
 
 // A mesh in its own space, of all primitives, or of those with materials that change. `deforms`: with its morph targets and all triangles; `skinned`: with its
-// joints as well; else without the triangles that have no area (gltf_shape.c).
+// joints as well; else without the triangles that have no area (gltf_bake.c).
 typedef struct RfGltfShape
 {
     int use; // of a mesh

@@ -1,5 +1,5 @@
 // Lights: punctual ones and the environment.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 #include "scene/gltf/gltf_document.h"
 
 #include "base/file.h"
@@ -26,17 +26,6 @@ typedef struct Source
     int index;           // of the list
     RfProfile** profile; // that of the list's light once it has been read
 } Source;
-
-// Follows what changes, of spots their cones as well; `lamp.values` is what does not.
-static void follow_changes( const RfGltf* gltf, bool spot, Source* source )
-{
-    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
-    {
-        double* still = rf_value_in( &source->lamp.values, (RfChangedValue)v );
-        if ( rf_changed_traits( (RfChangedValue)v )->home == NULL || spot )
-            source->lamp.changes[v] = rf_gltf_find_change( gltf, (RfChangedValue)v, source->index, 0, still );
-    }
-}
 
 static RfResult read_cone( const RfField* json, Source* source )
 {
@@ -82,23 +71,13 @@ static RfResult read_kind( const RfGltf* gltf, const RfField* json, RfPunctual* 
 }
 
 // As bright, as wide and as far as it ever is.
-static void set_light( const RfGltf* gltf, const Source* source, RfPunctual* out )
+static void set_light( const RfLampValues* most, RfPunctual* out )
 {
-    RfLampValues most = source->lamp.values;
-    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
-    {
-        double all[4];
-        if ( source->lamp.changes[v] < 0 )
-            continue;
-        rf_most_of_change( gltf->changes + source->lamp.changes[v], all );
-        memcpy( rf_value_in( &most, (RfChangedValue)v ), all,
-                (size_t)rf_changed_traits( (RfChangedValue)v )->components * sizeof *all );
-    }
     if ( out->kind == RF_PUNCTUAL_SPOT )
-        rf_set_cone( out, fmin( most.cone[0], most.cone[1] ), most.cone[1] );
-    out->intensity = rf_vec3( (float)( most.color[0] * most.intensity ), (float)( most.color[1] * most.intensity ),
-                              (float)( most.color[2] * most.intensity ) );
-    out->range = (float)most.range;
+        rf_set_cone( out, fmin( most->cone[0], most->cone[1] ), most->cone[1] );
+    out->intensity = rf_vec3( (float)( most->color[0] * most->intensity ), (float)( most->color[1] * most->intensity ),
+                              (float)( most->color[2] * most->intensity ) );
+    out->range = (float)most->range;
 }
 
 // Intensity profiles: what `extras.reframe` of a light says,
@@ -346,16 +325,19 @@ static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, R
     result = rf_gltf_read_value( gltf, json, RF_CHANGED_RANGE, values );
     if ( result != RF_OK )
         return result;
-    follow_changes( gltf, spot, source );
+    RfLampValues most = *values;
+    rf_gltf_find_changes( gltf, RF_OF_LAMP, source->index, values, &most, source->lamp.changes );
     if ( spot )
         check_cone( json, source );
+    else
+        source->lamp.changes[RF_CHANGED_INNER_CONE] = source->lamp.changes[RF_CHANGED_OUTER_CONE] = -1;
     result = read_extras( gltf, json, source, out );
     if ( result != RF_OK )
         return result;
-    set_light( gltf, source, out );
+    set_light( &most, out );
     // higher ones would overflow close to the light
-    double most = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
-    return rf_gltf_check_limit( gltf, json->path, "intensity", values->intensity * most,
+    double factor = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
+    return rf_gltf_check_limit( gltf, json->path, "intensity", values->intensity * factor,
                                 rf_changed_traits( RF_CHANGED_INTENSITY )->high );
 }
 

@@ -1,6 +1,6 @@
 // Light groups: tags of lights, nodes and materials. Meshes of nodes that are tagged emit by materials of that tag: by the material
 // itself for the first group that it is in, by copies for the others.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "scene/light_groups.h"
 #include "scene/textured.h"

@@ -10,8 +10,7 @@
 //     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
 //
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
-#include "scene/gltf/gltf_changes.h"
-#include "scene/gltf/gltf_materials.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "scene/json/keys.h"
 #include "scene/surfaces.h"
@@ -421,25 +420,6 @@ static void apply_factors( const RfMaterialValues* in, bool reshapes, RfMaterial
     out->emission = rf_emission_of( in );
 }
 
-// Makes values what they are where they stand still, and `most` the most that they are at any time. Returns whether the roughness or
-// the metallic factor change.
-static bool follow_changes( const RfGltf* gltf, int material, RfMaterialValues* values, RfMaterialValues* most )
-{
-    bool reshapes = false;
-    RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 );
-    for ( *most = *values; v < RF_CHANGED_COUNT; v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
-    {
-        double all[4];
-        size_t bytes = (size_t)rf_changed_traits( v )->components * sizeof *all;
-        int change = rf_gltf_find_change( gltf, v, material, 0, rf_value_in( values, v ) );
-        if ( change >= 0 )
-            rf_most_of_change( gltf->changes + change, all );
-        memcpy( rf_value_in( most, v ), change >= 0 ? all : rf_value_in( values, v ), bytes );
-        reshapes = reshapes || ( change >= 0 && ( v == RF_CHANGED_METALLIC || v == RF_CHANGED_ROUGHNESS ) );
-    }
-    return reshapes;
-}
-
 // KHR_materials_pbrSpecularGlossiness, taken for what means the same: a non-metal whose reflectance at normal incidence is the
 // specular colour (which an index of refraction of 0 makes the colour of KHR_materials_specular), with a roughness of
 // 1 − glossiness. The light that the base gets differs: it is what GGX lets through, not 1 − max(specular).
@@ -547,13 +527,16 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     RfGltfMaterial m;
     RfMovingMaterial moving = { .material = index, .values = default_values() };
     RfMaterialValues *values = &moving.values, most;
+    int changes[RF_CHANGED_COUNT];
     RfResult result = rf_gltf_open_material( gltf, index, &m );
     if ( result == RF_OK )
         result = read_values( gltf, &m, values, out );
     if ( result != RF_OK )
         return result;
     rf_gltf_notice_extensions( gltf, &m.json, "material", out->name );
-    bool dense = false, reshapes = follow_changes( gltf, index, values, &most );
+    most = *values;
+    rf_gltf_find_changes( gltf, RF_OF_MATERIAL, index, values, &most, changes );
+    bool dense = false, reshapes = changes[RF_CHANGED_METALLIC] >= 0 || changes[RF_CHANGED_ROUGHNESS] >= 0;
     result = apply_scatter( &m, values, &dense );
     if ( result != RF_OK )
         return result;

@@ -1,5 +1,5 @@
 // What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 #include "scene/gltf/gltf_geometry.h"
 
 #include "scene/animation.h"

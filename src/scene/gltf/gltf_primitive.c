@@ -1,7 +1,7 @@
 // Primitives of meshes: triangles, and only the vertices that they use.
 #include "scene/gltf/gltf_geometry.h"
 
-#include "scene/gltf/gltf_materials.h"
+#include "scene/gltf/gltf_material.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,9 +30,7 @@ static RfResult open_indices( RfGltf* gltf, const RfField* primitive, int* mode,
         *mode = LIST;
     if ( index < 0 )
         return rf_json_result( primitive );
-    result = rf_gltf_open_accessor( gltf, index, accessor );
-    if ( result == RF_OK )
-        result = rf_gltf_expect( gltf, index, *accessor, primitive->path, 1 );
+    result = rf_gltf_open_accessor( gltf, index, primitive->path, 1, accessor );
     if ( result != RF_OK )
         return result;
     int type = ( *accessor )->component_type;
@@ -176,9 +174,7 @@ static RfResult open_attribute( RfGltf* gltf, const RfField* primitive, const ch
     RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
     if ( result != RF_OK || *index < 0 )
         return result;
-    result = rf_gltf_open_accessor( gltf, *index, &accessor );
-    if ( result == RF_OK && components > 0 )
-        result = rf_gltf_expect( gltf, *index, accessor, where, components );
+    result = rf_gltf_open_accessor( gltf, *index, where, components, &accessor );
     if ( result != RF_OK )
         return result;
     if ( *count != 0 && *count != accessor->count )

@@ -1,5 +1,5 @@
 // What `extras.reframe` of a scene says beside its environment: settings of a render, camera paths, warnings of the exporter.
-#include "scene/gltf/gltf_changes.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "base/file.h"
 #include "reframe/render.h"

@@ -1,6 +1,5 @@
 // Textures of materials: their images, their uses, and what makes a material vary.
-#include "scene/gltf/gltf_changes.h"
-#include "scene/gltf/gltf_materials.h"
+#include "scene/gltf/gltf_material.h"
 
 #include "base/file.h"
 #include "base/system.h"
