@@ -332,8 +332,7 @@ static void close_document( RfGltf* gltf )
     free( gltf->order );
     free( gltf->remap );
     free( gltf->remap_stamp );
-    free( gltf->apart );
-    free( gltf->part_apart );
+    free( gltf->uses );
     free( gltf->material_edits );
     free( gltf->light_edits );
     free( gltf->films );

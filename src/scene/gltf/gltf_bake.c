@@ -426,7 +426,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
             deformation->influences = rf_gltf_has_eight_joints( json_array_get( primitives, i ) ) ? EIGHT : FOUR;
     }
     int count;
-    RfResult result = rf_gltf_mesh_targets( r->gltf, rf_gltf_mesh_of( r->gltf, r->shape->use ), &count );
+    RfResult result = rf_gltf_mesh_targets( r->gltf, r->gltf->uses[r->shape->use].mesh, &count );
     if ( result != RF_OK )
         return result;
     deformation->targets = calloc( (size_t)count + 1, sizeof *deformation->targets );
@@ -438,7 +438,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
 
 static RfResult read_primitives( Reader* r )
 {
-    RfField primitives = rf_gltf_primitives( r->gltf, rf_gltf_mesh_of( r->gltf, r->shape->use ) );
+    RfField primitives = rf_gltf_primitives( r->gltf, r->gltf->uses[r->shape->use].mesh );
     RfResult result = rf_json_result( &primitives );
     if ( result == RF_OK && r->shape->deforms )
         result = begin_deformation( r, primitives.json, primitives.path );

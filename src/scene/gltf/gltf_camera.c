@@ -138,7 +138,11 @@ static RfResult load_zoom( const RfGltf* gltf, int index, RfCamera* camera )
 static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
 {
     const char* base;
-    RfCamera* camera = gltf->scene->cameras + gltf->scene->camera_count;
+    RfScene* scene = gltf->scene;
+    if ( !rf_gltf_grow( &scene->cameras, scene->camera_count, sizeof *scene->cameras ) )
+        return rf_gltf_no_memory( gltf, "cameras" );
+    RfCamera* camera = scene->cameras + scene->camera_count;
+    memset( camera, 0, sizeof *camera );
     RfResult result = read_camera( gltf, index, camera );
     if ( result == RF_OK )
         result = base_name( gltf, node, index, &base );
@@ -164,39 +168,19 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
     return rf_gltf_read_camera_path( gltf, &json, camera );
 }
 
-// Allocates for all nodes with a camera.
-static RfResult find_cameras( RfGltf* gltf, int* indices )
-{
-    size_t count = 0;
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
-    {
-        RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, gltf->order[i] );
-        indices[i] = rf_gltf_get_index( gltf, &json, "camera", RF_GLTF_CAMERAS );
-        result = rf_json_result( &json );
-        count += indices[i] >= 0;
-    }
-    if ( result != RF_OK )
-        return result;
-    gltf->scene->cameras = calloc( count + 1, sizeof *gltf->scene->cameras );
-    return gltf->scene->cameras != NULL ? RF_OK : rf_gltf_no_memory( gltf, "cameras" );
-}
-
+// For all nodes with a camera.
 RfResult rf_gltf_load_cameras( RfGltf* gltf )
 {
-    int* indices = malloc( ( (size_t)gltf->order_count + 1 ) * sizeof *indices );
     json_t* names = json_object();
     RfResult result = RF_OK;
-    if ( indices == NULL || names == NULL )
+    if ( names == NULL )
         result = rf_gltf_no_memory( gltf, "cameras" );
-    if ( result == RF_OK )
-        result = find_cameras( gltf, indices );
     for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
     {
-        if ( indices[i] >= 0 )
-            result = load_camera( gltf, names, gltf->order[i], indices[i] );
+        int node = gltf->order[i];
+        if ( gltf->nodes[node].camera >= 0 )
+            result = load_camera( gltf, names, node, gltf->nodes[node].camera );
     }
     json_decref( names );
-    free( indices );
     return result;
 }

@@ -85,14 +85,34 @@ typedef struct RfGltfSpan
     double start, end;
 } RfGltfSpan;
 
+// How the mesh of a node is set apart from those that stand still (gltf_mover.c).
+typedef enum RfGltfApart
+{
+    RF_GLTF_NOT_APART,
+    RF_GLTF_APART,
+    RF_GLTF_PART_APART, // its primitives with materials that change
+} RfGltfApart;
+
 // What a node of the document has; −1: nothing.
 typedef struct RfGltfNode
 {
-    int mesh, skin;
+    int mesh, skin, camera;
     int light_group; // as rf_gltf_read_light_group
-    int use;         // of its mesh (gltf_light_group.c)
+    int use;         // of its mesh
+    int here, next;  // the use that is among what stands still, and the next node of that
+    RfGltfApart apart;
+    int moving;      // its place among the moving nodes
     RfGltfSpan span; // of its own channels and its ancestors'
 } RfGltfNode;
+
+// A mesh as nodes of one light group have it.
+typedef struct RfGltfUse
+{
+    int mesh, light_group;
+    int first;     // of its nodes among what stands still, −1: none
+    bool placed;   // where it can be, rather than baked
+    int shapes[4]; // meshes of the scene that are made of it (gltf_mover.c), −1: none
+} RfGltfUse;
 
 #define RF_GLTF_NOTICES 32 // kinds of warnings
 
@@ -118,9 +138,11 @@ typedef struct RfGltf
     RfField* films;                        // image sequences of a scene file: images after those of the document
     int film_count;
     int64_t variant;           // whose materials primitives have; −1: their own
-    struct RfGltfSplit* split; // of meshes and materials by light groups; NULL: there is none
-    size_t profile_values;     // of all lights, which each read their own
-    bool plays;                // a texture of some material is an image sequence
+    struct RfGltfSplit* split; // of materials by light groups; NULL: there is none
+    RfGltfUse* uses;           // of the document's meshes, then one for each further light group of nodes that has one
+    int use_count;
+    size_t profile_values; // of all lights, which each read their own
+    bool plays;            // a texture of some material is an image sequence
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors; // of the file, then those of compressed meshes
@@ -137,11 +159,6 @@ typedef struct RfGltf
     uint32_t remap_size;
     uint32_t stamp;
 
-    // meshes that move, deform or are hidden, see gltf_mover.c: by node
-    int* apart;
-    int apart_count;
-    int* part_apart; // nodes of which only the primitives with materials that change are
-    int part_apart_count;
     uint64_t target_vertices; // of morph targets, so far
     uint64_t shape_triangles; // of meshes in their own space, so far
 
@@ -337,11 +354,7 @@ RfResult rf_gltf_read_tag( const RfGltf* gltf, const RfField* ours, int* tag );
 RfResult rf_gltf_split_light_groups( RfGltf* gltf );
 void rf_gltf_free_split( RfGltf* gltf );
 
-// How many uses of meshes there are: those of the document, then one for each further group of nodes that has one.
-int rf_gltf_use_count( const RfGltf* gltf );
-
-// The mesh of a use, and what a material is in it.
-int rf_gltf_mesh_of( const RfGltf* gltf, int use );
+// What a material is in the use of a mesh.
 uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material );
 
 // Reads item `at` of a list of nodes that is called `key` (gltf_node.c).

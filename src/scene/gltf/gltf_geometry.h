@@ -104,9 +104,9 @@ typedef struct RfGltfShape
 
 RfResult rf_gltf_read_shape( RfGltf* gltf, const RfGltfShape* shape, RfMesh* out );
 
-// Takes the mesh of a node out of those that stand still, where it moves, deforms or is hidden: `mesh` becomes −1. Where only
+// Takes the mesh of a node out of those that stand still, where it moves, deforms or is hidden. Where only
 // some of its materials change, its primitives with these are to be left out (gltf_mover.c).
-RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh );
+RfResult rf_gltf_set_apart( RfGltf* gltf, int node );
 
 // Places what was set apart, after everything else.
 RfResult rf_gltf_place_movers( RfGltf* gltf );

@@ -45,17 +45,9 @@ typedef struct Uses
     int count;
 } Uses;
 
-// A mesh as nodes with one tag have it.
-typedef struct Dressed
-{
-    int mesh, tag;
-} Dressed;
-
 typedef struct RfGltfSplit
 {
     Uses meshes, materials;
-    Dressed* dressed; // by use: those of the document's meshes come first
-    int dressed_count;
 } RfGltfSplit;
 
 static bool open_uses( int items, Uses* uses )
@@ -75,7 +67,6 @@ void rf_gltf_free_split( RfGltf* gltf )
     free( split->meshes.list );
     free( split->materials.first );
     free( split->materials.list );
-    free( split->dressed );
     free( split );
 }
 
@@ -196,66 +187,65 @@ static RfResult split_materials( RfGltf* gltf )
     return RF_OK;
 }
 
+static RfResult add_mesh_use( RfGltf* gltf, int mesh, int tag )
+{
+    if ( !rf_gltf_grow( &gltf->uses, gltf->use_count, sizeof *gltf->uses ) )
+        return rf_gltf_no_memory( gltf, "meshes" );
+    gltf->uses[gltf->use_count++] = ( RfGltfUse ){ .mesh = mesh, .light_group = tag, .first = -1, .shapes = { -1, -1, -1, -1 } };
+    return RF_OK;
+}
+
 // A mesh that all of its nodes have in one way stays one; others become further ones, after those of the document.
 static RfResult split_meshes( RfGltf* gltf )
 {
-    RfGltfSplit* split = gltf->split;
-    Uses* uses = &split->meshes;
-    split->dressed_count = gltf->counts[RF_GLTF_MESHES];
-    split->dressed = malloc( ( (size_t)split->dressed_count + (size_t)uses->count + 1 ) * sizeof *split->dressed );
-    if ( split->dressed == NULL )
-        return rf_gltf_no_memory( gltf, "meshes" );
-    for ( int m = 0; m < split->dressed_count; ++m )
-        split->dressed[m] = ( Dressed ){ m, UNTAGGED };
+    const Uses* uses = &gltf->split->meshes;
+    RfResult result = gltf->error->code;
     visit_emitters( gltf, mark_dressed );
-    for ( int u = 0; u < uses->count; ++u )
+    for ( int u = 0; result == RF_OK && u < uses->count; ++u )
     {
         Use* use = uses->list + u;
-        bool alone = uses->list[uses->first[use->item]].next < 0;
-        if ( use->target < 0 )
-            use->target = alone ? use->item : split->dressed_count++;
-        if ( use->target != use->item || alone )
-            split->dressed[use->target] = ( Dressed ){ use->item, use->tag };
+        bool alone = uses->list[uses->first[use->item]].next < 0, dressed = use->target < 0;
+        use->target = dressed && !alone ? gltf->use_count : use->item;
+        if ( use->target != use->item )
+            result = add_mesh_use( gltf, use->item, use->tag );
+        else if ( alone )
+            gltf->uses[use->item].light_group = use->tag;
     }
-    for ( int i = 0; i < gltf->counts[RF_GLTF_NODES]; ++i )
+    for ( int i = 0; result == RF_OK && i < gltf->counts[RF_GLTF_NODES]; ++i )
     {
         RfGltfNode* node = gltf->nodes + i;
         node->use = node->mesh >= 0 ? find_use( uses, node->mesh, node->light_group )->target : -1;
     }
-    return gltf->error->code;
+    return result;
 }
 
 RfResult rf_gltf_split_light_groups( RfGltf* gltf )
 {
     bool any = false;
+    RfResult result = RF_OK;
+    for ( int m = 0; result == RF_OK && m < gltf->counts[RF_GLTF_MESHES]; ++m )
+        result = add_mesh_use( gltf, m, UNTAGGED );
     for ( int i = 0; i < gltf->counts[RF_GLTF_NODES]; ++i )
         any = any || ( gltf->nodes[i].mesh >= 0 && gltf->nodes[i].light_group != UNTAGGED );
     RfGltfSplit* split = any ? calloc( 1, sizeof *split ) : NULL;
     gltf->split = split;
-    if ( !any )
-        return RF_OK;
+    if ( !any || result != RF_OK )
+        return result;
     bool room = split != NULL && open_uses( gltf->counts[RF_GLTF_MESHES], &split->meshes ) &&
                 open_uses( gltf->counts[RF_GLTF_MATERIALS], &split->materials );
     for ( int i = 0; room && i < gltf->counts[RF_GLTF_NODES]; ++i )
         room = gltf->nodes[i].mesh < 0 || add_use( &split->meshes, gltf->nodes[i].mesh, gltf->nodes[i].light_group );
     if ( !room || !visit_emitters( gltf, add_emitter ) )
         return rf_gltf_no_memory( gltf, "materials" );
-    RfResult result = gltf->error->code == RF_OK ? split_materials( gltf ) : gltf->error->code;
+    result = gltf->error->code == RF_OK ? split_materials( gltf ) : gltf->error->code;
     return result == RF_OK ? split_meshes( gltf ) : result;
 }
-
-int rf_gltf_use_count( const RfGltf* gltf )
-{
-    return gltf->split != NULL ? gltf->split->dressed_count : gltf->counts[RF_GLTF_MESHES];
-}
-
-int rf_gltf_mesh_of( const RfGltf* gltf, int use ) { return gltf->split != NULL ? gltf->split->dressed[use].mesh : use; }
 
 uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material )
 {
     const RfGltfSplit* split = gltf->split;
     if ( split == NULL || material >= (uint32_t)gltf->counts[RF_GLTF_MATERIALS] )
         return material;
-    const Use* found = find_use( &split->materials, (int)material, split->dressed[use].tag );
+    const Use* found = find_use( &split->materials, (int)material, gltf->uses[use].light_group );
     return found != NULL ? (uint32_t)found->target : material;
 }

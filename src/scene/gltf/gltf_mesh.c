@@ -31,69 +31,33 @@
 // In all, so that a small file cannot ask for any amount of memory.
 #define MAX_PLACEMENTS ( 1u << 24 )
 
-// Nodes sorted by mesh: those of mesh m are nodes[starts[m]] up to nodes[starts[m+1]].
-typedef struct Instances
+// Finds what stands still: the nodes of each use of a mesh, in the order of the scene.
+static RfResult find_nodes( RfGltf* gltf )
 {
-    int* mesh_of; // by position in the order
-    size_t* starts;
-    int* nodes;
-    RfMat4* worlds; // by node
-    bool* placed;   // by mesh
-} Instances;
-
-static void free_instances( Instances* instances )
-{
-    free( instances->mesh_of );
-    free( instances->starts );
-    free( instances->nodes );
-    free( instances->worlds );
-    free( instances->placed );
-}
-
-static RfResult create_instances( const RfGltf* gltf, Instances* out )
-{
-    size_t nodes = (size_t)gltf->scene->node_count + 1, meshes = (size_t)rf_gltf_use_count( gltf ) + 2;
-    out->mesh_of = malloc( nodes * sizeof *out->mesh_of );
-    out->starts = calloc( meshes, sizeof *out->starts );
-    out->nodes = malloc( nodes * sizeof *out->nodes );
-    out->worlds = malloc( nodes * sizeof *out->worlds );
-    out->placed = calloc( meshes, sizeof *out->placed );
-    if ( out->placed == NULL || out->mesh_of == NULL || out->starts == NULL || out->nodes == NULL || out->worlds == NULL )
-        return rf_gltf_no_memory( gltf, "nodes" );
-    return RF_OK;
-}
-
-static RfResult find_mesh_of( RfGltf* gltf, int node, int* mesh )
-{
-    RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
-    *mesh = gltf->nodes[node].use;
-    rf_gltf_notice_extensions( gltf, &json, "node", gltf->scene->nodes[node].name );
-    return *mesh >= 0 ? rf_gltf_set_apart( gltf, node, mesh ) : RF_OK;
-}
-
-// Counting sort of the nodes by mesh, stable in the order of the scene.
-static RfResult sort_instances( RfGltf* gltf, Instances* out )
-{
-    for ( int i = 0; i < gltf->order_count; ++i )
+    RfResult result = RF_OK;
+    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
     {
-        RfResult result = find_mesh_of( gltf, gltf->order[i], out->mesh_of + i );
-        if ( result != RF_OK )
-            return result;
-        if ( out->mesh_of[i] >= 0 )
-            out->starts[out->mesh_of[i] + 2] += 1;
+        int index = gltf->order[i];
+        RfGltfNode* node = gltf->nodes + index;
+        RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, index );
+        node->here = node->use;
+        rf_gltf_notice_extensions( gltf, &json, "node", gltf->scene->nodes[index].name );
+        if ( node->here >= 0 )
+            result = rf_gltf_set_apart( gltf, index );
     }
-    for ( int m = 0; m < rf_gltf_use_count( gltf ); ++m )
-        out->starts[m + 2] += out->starts[m + 1];
-    for ( int i = 0; i < gltf->order_count; ++i )
+    for ( int i = gltf->order_count - 1; result == RF_OK && i >= 0; --i )
     {
-        if ( out->mesh_of[i] >= 0 )
-            out->nodes[out->starts[out->mesh_of[i] + 1]++] = gltf->order[i];
+        RfGltfNode* node = gltf->nodes + gltf->order[i];
+        if ( node->here < 0 )
+            continue;
+        node->next = gltf->uses[node->here].first;
+        gltf->uses[node->here].first = gltf->order[i];
     }
-    return RF_OK;
+    return result;
 }
 
 // World matrices from the root down. Nodes whose keys are equal are placed at the first.
-static void find_worlds( const RfGltf* gltf, const Instances* out )
+static void find_worlds( const RfGltf* gltf, RfMat4* worlds )
 {
     const RfScene* scene = gltf->scene;
     for ( int i = 0; i < gltf->order_count; ++i )
@@ -101,14 +65,14 @@ static void find_worlds( const RfGltf* gltf, const Instances* out )
         int node = gltf->order[i], parent = scene->nodes[node].parent;
         if ( rf_gltf_moves( gltf, node ) )
         {
-            if ( out->mesh_of[i] >= 0 )
-                rf_node_world_matrix( scene, node, rf_gltf_rest_time( gltf, node ), out->worlds + node );
+            if ( gltf->nodes[node].here >= 0 )
+                rf_node_world_matrix( scene, node, rf_gltf_rest_time( gltf, node ), worlds + node );
             continue;
         }
         // a static node has no animated ancestor
         RfMat4 local;
         rf_node_local_matrix( scene, node, 0.0, &local );
-        out->worlds[node] = parent >= 0 ? rf_mat4_mul( out->worlds + parent, &local ) : local;
+        worlds[node] = parent >= 0 ? rf_mat4_mul( worlds + parent, &local ) : local;
     }
 }
 
@@ -166,11 +130,11 @@ static RfResult visit_node( RfGltf* gltf, int node, const RfMat4* world, Visit* 
 }
 
 // Visits all places of a mesh.
-static RfResult visit_places( RfGltf* gltf, const Instances* instances, int mesh, Visit* visit, void* user )
+static RfResult visit_places( RfGltf* gltf, const RfMat4* worlds, int use, Visit* visit, void* user )
 {
     RfResult result = RF_OK;
-    for ( size_t i = instances->starts[mesh]; result == RF_OK && i < instances->starts[mesh + 1]; ++i )
-        result = visit_node( gltf, instances->nodes[i], instances->worlds + instances->nodes[i], visit, user );
+    for ( int node = gltf->uses[use].first; result == RF_OK && node >= 0; node = gltf->nodes[node].next )
+        result = visit_node( gltf, node, worlds + node, visit, user );
     return result;
 }
 
@@ -302,7 +266,7 @@ static RfResult finish_mesh( RfGltf* gltf, RfGltfBaker* baker, Placing* placing,
     return add_mesh( gltf, placing );
 }
 
-static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh,
+static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const RfMat4* worlds, int use,
                                 const RfField* json )
 {
     const char* where = json->path;
@@ -313,39 +277,39 @@ static RfResult load_primitive( RfGltf* gltf, RfGltfBaker* baker, Placing* placi
     RfResult result = rf_gltf_read_primitive( gltf, json, false, &primitive );
     if ( result != RF_OK || primitive.t.count == 0 )
         return result;
-    primitive.material = rf_gltf_tagged_material( gltf, mesh, primitive.material );
+    primitive.material = rf_gltf_tagged_material( gltf, use, primitive.material );
     Bake bake = { baker, &primitive, where, placing != NULL && can_be_placed( gltf->scene, &primitive ) };
     if ( bake.unfit_only )
         result = rf_gltf_bake( gltf, &placing->baker, &primitive, &own, where );
     if ( result == RF_OK )
-        result = visit_places( gltf, instances, mesh, bake_at, &bake );
+        result = visit_places( gltf, worlds, use, bake_at, &bake );
     rf_gltf_free_primitive( &primitive );
     return result;
 }
 
-static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const Instances* instances, int mesh )
+static RfResult load_primitives( RfGltf* gltf, RfGltfBaker* baker, Placing* placing, const RfMat4* worlds, int use )
 {
-    RfField primitives = rf_gltf_primitives( gltf, rf_gltf_mesh_of( gltf, mesh ) );
+    RfField primitives = rf_gltf_primitives( gltf, gltf->uses[use].mesh );
     RfResult result = rf_json_result( &primitives );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
         RfField primitive = rf_field_item( &primitives, i );
-        result = load_primitive( gltf, baker, placing, instances, mesh, &primitive );
+        result = load_primitive( gltf, baker, placing, worlds, use, &primitive );
     }
     return result;
 }
 
-static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, Instances* instances, int mesh )
+static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, const RfMat4* worlds, int use )
 {
     Placing placing = { .first = gltf->scene->placement_count };
     RfMesh* own = &placing.mesh;
-    RfWhere where = rf_where( "meshes[%d]", rf_gltf_mesh_of( gltf, mesh ) );
-    RfResult result = visit_places( gltf, instances, mesh, add_placement, &placing );
+    RfWhere where = rf_where( "meshes[%d]", gltf->uses[use].mesh );
+    RfResult result = visit_places( gltf, worlds, use, add_placement, &placing );
     double scale = fmax( placing.stretch, 1.0 / MOST_STRETCH );
     placing.baker =
         ( RfGltfBaker ){ .triangles = &own->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA / ( scale * scale ) };
     if ( result == RF_OK )
-        result = load_primitives( gltf, baker, &placing, instances, mesh );
+        result = load_primitives( gltf, baker, &placing, worlds, use );
     if ( result == RF_OK )
         result = finish_mesh( gltf, baker, &placing, where.text );
     rf_gltf_finish_baker( &placing.baker );
@@ -360,27 +324,27 @@ typedef struct Saving
     double bytes;
 } Saving;
 
-static RfResult count_places( RfGltf* gltf, const Instances* instances, int mesh, uint64_t* places )
+static RfResult count_places( RfGltf* gltf, int use, uint64_t* places )
 {
     RfResult result = RF_OK;
     *places = 0;
-    for ( size_t i = instances->starts[mesh]; result == RF_OK && i < instances->starts[mesh + 1]; ++i )
+    for ( int node = gltf->uses[use].first; result == RF_OK && node >= 0; node = gltf->nodes[node].next )
     {
         RfGltfInstances here = { 0 };
-        if ( is_still( gltf, instances->nodes[i] ) )
-            result = rf_gltf_open_instances( gltf, instances->nodes[i], &here );
+        if ( is_still( gltf, node ) )
+            result = rf_gltf_open_instances( gltf, node, &here );
         *places += here.count;
     }
     return result;
 }
 
-static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh, Saving* saving )
+static RfResult find_saving( RfGltf* gltf, int use, Saving* saving )
 {
     *saving = ( Saving ){ 0 };
-    RfResult result = count_places( gltf, instances, mesh, &saving->places );
+    RfResult result = count_places( gltf, use, &saving->places );
     if ( result != RF_OK || saving->places < 2 )
         return result;
-    RfField primitives = rf_gltf_primitives( gltf, rf_gltf_mesh_of( gltf, mesh ) );
+    RfField primitives = rf_gltf_primitives( gltf, gltf->uses[use].mesh );
     result = rf_json_result( &primitives );
     for ( size_t i = 0; result == RF_OK && i < json_array_size( primitives.json ); ++i )
     {
@@ -396,20 +360,20 @@ static RfResult find_saving( RfGltf* gltf, const Instances* instances, int mesh,
     return result;
 }
 
-static RfResult choose_placed( RfGltf* gltf, Instances* instances )
+static RfResult choose_placed( RfGltf* gltf )
 {
-    int count = rf_gltf_use_count( gltf );
+    int count = gltf->use_count;
     uint64_t places = 0;
     double triangles = 0.0, bytes = 0.0;
     for ( int m = 0; m < count; ++m )
     {
         Saving saving;
-        RfResult result = find_saving( gltf, instances, m, &saving );
+        RfResult result = find_saving( gltf, m, &saving );
         if ( result != RF_OK )
             return result;
         if ( saving.bytes < LEAST_SAVED_EACH || places + saving.places > MAX_PLACEMENTS )
             continue;
-        instances->placed[m] = true;
+        gltf->uses[m].placed = true;
         bytes += saving.bytes;
         places += saving.places;
         triangles += (double)saving.places * (double)saving.triangles;
@@ -417,8 +381,8 @@ static RfResult choose_placed( RfGltf* gltf, Instances* instances )
     if ( triangles > (double)RF_MOST_TRIANGLES ) // rather than run out of memory first
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "nodes", "place more than %u triangles: split the scene",
                              RF_MOST_TRIANGLES );
-    if ( bytes < LEAST_SAVED )
-        memset( instances->placed, 0, (size_t)count * sizeof *instances->placed );
+    for ( int m = 0; bytes < LEAST_SAVED && m < count; ++m )
+        gltf->uses[m].placed = false;
     return RF_OK;
 }
 
@@ -432,26 +396,24 @@ static void warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker )
 RfResult rf_gltf_load_meshes( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
-    Instances instances = { 0 };
     RfGltfBaker baker = { .triangles = &scene->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA };
-    RfResult result = create_instances( gltf, &instances );
+    RfMat4* worlds = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *worlds ); // by node
+    RfResult result = worlds != NULL ? find_nodes( gltf ) : rf_gltf_no_memory( gltf, "nodes" );
     if ( result == RF_OK )
-        result = sort_instances( gltf, &instances );
+        find_worlds( gltf, worlds );
     if ( result == RF_OK )
-        find_worlds( gltf, &instances );
-    if ( result == RF_OK )
-        result = choose_placed( gltf, &instances );
-    for ( int m = 0; result == RF_OK && m < rf_gltf_use_count( gltf ); ++m )
+        result = choose_placed( gltf );
+    for ( int u = 0; result == RF_OK && u < gltf->use_count; ++u )
     {
-        if ( instances.starts[m] < instances.starts[m + 1] )
-            result = instances.placed[m] ? place_mesh( gltf, &baker, &instances, m )
-                                         : load_primitives( gltf, &baker, NULL, &instances, m );
+        if ( gltf->uses[u].first >= 0 )
+            result =
+                gltf->uses[u].placed ? place_mesh( gltf, &baker, worlds, u ) : load_primitives( gltf, &baker, NULL, worlds, u );
     }
     rf_gltf_finish_baker( &baker );
     scene->bounds_min = baker.bounds_min;
     scene->bounds_max = baker.bounds_max;
     warn_of_degenerate( gltf, &baker );
-    free_instances( &instances );
+    free( worlds );
     if ( result == RF_OK )
         result = rf_finish_placements( scene, gltf->error );
     return result == RF_OK ? rf_gltf_place_movers( gltf ) : result;

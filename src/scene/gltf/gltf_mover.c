@@ -85,35 +85,20 @@ static uint32_t count_changing( const RfGltf* gltf, int mesh )
     return count;
 }
 
-static RfResult add_apart( const RfGltf* gltf, int node, int** list, int* count )
+RfResult rf_gltf_set_apart( RfGltf* gltf, int node )
 {
-    if ( *list == NULL )
-        *list = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof **list );
-    if ( *list == NULL )
-        return rf_gltf_no_memory( gltf, "nodes" );
-    ( *list )[( *count )++] = node;
-    return RF_OK;
-}
-
-RfResult rf_gltf_set_apart( RfGltf* gltf, int node, int* mesh )
-{
-    int document_mesh = gltf->nodes[node].mesh;
+    RfGltfNode* self = gltf->nodes + node;
     bool morphed;
     RfGltfVisibility visibility = rf_gltf_visibility( gltf, node );
-    RfResult result = is_morphed( gltf, node, document_mesh, &morphed );
+    RfResult result = is_morphed( gltf, node, self->mesh, &morphed );
     if ( result == RF_OK && gltf->freeze && rf_gltf_changes( gltf, node ) )
         result = rf_gltf_note_moving( gltf, gltf->scene->nodes[node].name );
-    if ( result != RF_OK )
-        return result;
-    if ( visibility == RF_GLTF_HIDDEN )
-        *mesh = -1;
-    if ( visibility == RF_GLTF_HIDDEN || ( visibility == RF_GLTF_SHOWN && gltf->nodes[node].skin < 0 && !morphed &&
-                                           ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) ) )
-        return *mesh >= 0 && count_changing( gltf, document_mesh ) > 0
-                   ? add_apart( gltf, node, &gltf->part_apart, &gltf->part_apart_count )
-                   : RF_OK;
-    *mesh = -1;
-    return add_apart( gltf, node, &gltf->apart, &gltf->apart_count );
+    bool still = visibility == RF_GLTF_SHOWN && self->skin < 0 && !morphed && ( gltf->freeze || !rf_gltf_varies( gltf, node ) );
+    if ( !still )
+        self->here = -1;
+    if ( visibility != RF_GLTF_HIDDEN )
+        self->apart = !still ? RF_GLTF_APART : count_changing( gltf, self->mesh ) > 0 ? RF_GLTF_PART_APART : RF_GLTF_NOT_APART;
+    return result;
 }
 
 // What is set apart, in the making.
@@ -121,68 +106,46 @@ typedef struct Builder
 {
     RfGltf* gltf;
     RfMovement* movement;
-    int* moving_of;   // per node of the scene: its place among the moving nodes, or −1
-    int* shape_of[4]; // per use of a mesh: its meshes of the scene, as in find_mesh, or −1
+    bool* used; // by skin
 } Builder;
-
-static void free_builder( Builder* b )
-{
-    free( b->moving_of );
-    for ( int k = 0; k < 4; ++k )
-        free( b->shape_of[k] );
-}
-
-static int* fill( size_t count )
-{
-    int* list = malloc( ( count + 1 ) * sizeof *list );
-    for ( size_t i = 0; list != NULL && i < count; ++i )
-        list[i] = -1;
-    return list;
-}
 
 static RfResult begin( Builder* b )
 {
     RfGltf* gltf = b->gltf;
-    size_t nodes = (size_t)gltf->scene->node_count, meshes = (size_t)rf_gltf_use_count( gltf );
     b->movement = rf_open_movement( gltf->scene );
-    b->moving_of = fill( nodes );
-    bool room = b->movement != NULL && b->moving_of != NULL;
-    for ( int k = 0; k < 4; ++k )
-    {
-        b->shape_of[k] = fill( meshes );
-        room = room && b->shape_of[k] != NULL;
-    }
-    if ( !room )
-        return rf_gltf_no_memory( gltf, "nodes" );
-    b->movement->nodes = malloc( ( nodes + 1 ) * sizeof *b->movement->nodes );
-    return b->movement->nodes != NULL ? rf_gltf_load_skins( gltf, b->movement ) : rf_gltf_no_memory( gltf, "nodes" );
+    b->used = calloc( (size_t)gltf->counts[RF_GLTF_SKINS_LIST] + 1, sizeof *b->used );
+    if ( b->movement != NULL )
+        b->movement->nodes = malloc( ( (size_t)gltf->scene->node_count + 1 ) * sizeof *b->movement->nodes );
+    return b->used != NULL && b->movement != NULL && b->movement->nodes != NULL ? rf_gltf_load_skins( gltf, b->movement )
+                                                                                : rf_gltf_no_memory( gltf, "nodes" );
 }
 
 // Adds a node and the ancestors that it lacks, from the top, and returns its place.
 static int add_moving_node( Builder* b, int node )
 {
     const RfScene* scene = b->gltf->scene;
-    while ( b->moving_of[node] < 0 )
+    RfGltfNode* nodes = b->gltf->nodes;
+    while ( nodes[node].moving < 0 )
     {
         int top = node;
-        while ( scene->nodes[top].parent >= 0 && b->moving_of[scene->nodes[top].parent] < 0 )
+        while ( scene->nodes[top].parent >= 0 && nodes[scene->nodes[top].parent].moving < 0 )
             top = scene->nodes[top].parent;
         int parent = scene->nodes[top].parent;
-        b->moving_of[top] = b->movement->node_count;
+        nodes[top].moving = b->movement->node_count;
         b->movement->nodes[b->movement->node_count++] = ( RfMovingNode ){ .node = top,
-                                                                          .parent = parent >= 0 ? b->moving_of[parent] : -1,
+                                                                          .parent = parent >= 0 ? nodes[parent].moving : -1,
                                                                           .shows = find_channel( scene, top, RF_VISIBILITY ) };
     }
-    return b->moving_of[node];
+    return nodes[node].moving;
 }
 
 // Joints become moving nodes, of the skins that are used.
-static void use_skin( Builder* b, bool* used, int skin )
+static void use_skin( Builder* b, int skin )
 {
     RfSkin* self = b->movement->skins + skin;
-    for ( int i = 0; !used[skin] && i < self->joint_count; ++i )
+    for ( int i = 0; !b->used[skin] && i < self->joint_count; ++i )
         self->joints[i] = add_moving_node( b, self->joints[i] );
-    used[skin] = true;
+    b->used[skin] = true;
 }
 
 static bool does_skin_move( const Builder* b, int skin )
@@ -208,7 +171,7 @@ static RfResult add_mesh( Builder* b, const RfGltfShape* shape, int* index )
 
 static RfResult find_mesh( Builder* b, const RfGltfShape* shape, int* index )
 {
-    int* known = b->shape_of[shape->changing_only ? 3 : shape->skinned ? 2 : shape->deforms ? 1 : 0] + shape->use;
+    int* known = b->gltf->uses[shape->use].shapes + ( shape->changing_only ? 3 : shape->skinned ? 2 : shape->deforms ? 1 : 0 );
     RfResult result = *known >= 0 ? RF_OK : add_mesh( b, shape, known );
     *index = *known;
     return result;
@@ -327,7 +290,7 @@ static bool weights_vary( const RfScene* scene, const RfMover* mover )
 }
 
 // Reads what the movers of a node have in common.
-static RfResult describe( Builder* b, bool* used, Common* common )
+static RfResult describe( Builder* b, Common* common )
 {
     RfGltf* gltf = b->gltf;
     RfScene* scene = gltf->scene;
@@ -343,7 +306,7 @@ static RfResult describe( Builder* b, bool* used, Common* common )
     uint32_t changing = count_changing( gltf, common->document_mesh );
     common->primitives = common->part ? changing : (uint32_t)json_array_size( json_object_get( mesh, "primitives" ) );
     if ( mover->skin >= 0 )
-        use_skin( b, used, mover->skin );
+        use_skin( b, mover->skin );
     mover->node = add_moving_node( b, common->node );
     mover->weights_moved = morphed ? find_channel( scene, common->node, RF_WEIGHTS ) : -1;
     if ( morphed )
@@ -360,11 +323,11 @@ static RfResult describe( Builder* b, bool* used, Common* common )
 }
 
 // `part`: of its primitives those alone whose materials change.
-static RfResult place_node( Builder* b, bool* used, int node, bool part )
+static RfResult place_node( Builder* b, int node, bool part )
 {
     RfScene* scene = b->gltf->scene;
     Common common = { .node = node, .part = part };
-    RfResult result = describe( b, used, &common );
+    RfResult result = describe( b, &common );
     if ( result != RF_OK || scene->meshes[common.mesh].triangles.count == 0 )
         return result;
     return add_instances( b, &common );
@@ -433,9 +396,10 @@ static void free_mesh( RfMesh* mesh )
 static RfResult drop_meshes( const RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
-    int kept = 0, *renumbered = fill( (size_t)scene->mesh_count );
+    int kept = 0, *renumbered = malloc( ( (size_t)scene->mesh_count + 1 ) * sizeof *renumbered );
     if ( renumbered == NULL )
         return rf_gltf_no_memory( gltf, "meshes" );
+    memset( renumbered, 0xff, (size_t)scene->mesh_count * sizeof *renumbered );
     for ( int i = 0; i < scene->placement_count; ++i )
         renumbered[scene->placements[i].mesh] = 0;
     for ( int i = 0; i < scene->mesh_count; ++i )
@@ -546,19 +510,19 @@ static RfResult place_all( Builder* b )
     RfGltf* gltf = b->gltf;
     RfScene* scene = gltf->scene;
     RfResult result = begin( b );
-    bool* used = calloc( (size_t)gltf->counts[RF_GLTF_SKINS_LIST] + 1, sizeof *used );
-    if ( result == RF_OK && used == NULL )
-        result = rf_gltf_no_memory( gltf, "skins" );
-    for ( int i = 0; result == RF_OK && i < gltf->apart_count; ++i )
-        result = place_node( b, used, gltf->apart[i], false );
-    for ( int i = 0; result == RF_OK && i < gltf->part_apart_count; ++i )
-        result = place_node( b, used, gltf->part_apart[i], true );
+    for ( RfGltfApart apart = RF_GLTF_APART; apart <= RF_GLTF_PART_APART; ++apart )
+    {
+        for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+        {
+            if ( gltf->nodes[gltf->order[i]].apart == apart )
+                result = place_node( b, gltf->order[i], apart == RF_GLTF_PART_APART );
+        }
+    }
     for ( int i = 0; result == RF_OK && i < gltf->lamp_count; ++i )
     {
         RfMovingLamp* lamp = gltf->lamps + i;
         lamp->node = lamp->node >= 0 ? add_moving_node( b, lamp->node ) : -1;
     }
-    free( used );
     if ( result == RF_OK )
         result = rf_gltf_move_changes( gltf, b->movement );
     if ( result != RF_OK )
@@ -580,8 +544,10 @@ static RfResult place_all( Builder* b )
 RfResult rf_gltf_place_movers( RfGltf* gltf )
 {
     Builder builder = { .gltf = gltf };
-    int count = gltf->apart_count + gltf->part_apart_count + gltf->lamp_count + gltf->moving_material_count;
-    RfResult result = count > 0 ? place_all( &builder ) : RF_OK;
-    free_builder( &builder );
+    bool any = gltf->lamp_count + gltf->moving_material_count > 0;
+    for ( int i = 0; i < gltf->order_count; ++i )
+        any = any || gltf->nodes[gltf->order[i]].apart != RF_GLTF_NOT_APART;
+    RfResult result = any ? place_all( &builder ) : RF_OK;
+    free( builder.used );
     return result;
 }

@@ -121,11 +121,12 @@ static RfResult load_node( RfGltf* gltf, int index )
     node->matrix = rf_mat4_identity();
     node->rotation[3] = 1.0;
     node->scale[0] = node->scale[1] = node->scale[2] = 1.0;
-    own->light_group = -1;
+    own->light_group = own->moving = own->here = -1;
     own->span = ( RfGltfSpan ){ INFINITY, -INFINITY };
     if ( json.json != NULL )
         rf_gltf_copy_name( &json, json.path, &node->name );
     own->use = own->mesh = rf_gltf_get_index( gltf, &json, "mesh", RF_GLTF_MESHES );
+    own->camera = rf_gltf_get_index( gltf, &json, "camera", RF_GLTF_CAMERAS );
     own->skin = rf_gltf_get_index( gltf, &json, "skin", RF_GLTF_SKINS_LIST );
     rf_gltf_read_light_group( gltf, &json, &own->light_group );
     RfField visibility = rf_gltf_extension( &json, "KHR_node_visibility" );
