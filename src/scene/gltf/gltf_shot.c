@@ -62,18 +62,24 @@ RfFps rf_gltf_document_fps( const json_t* root )
     return read_fps( &field, &fps ) == RF_OK && fps.numerator > 0 ? fps : ( RfFps ){ 24, 1 };
 }
 
-static RfResult read_moving( RfGltf* gltf, const RfField* list )
+// Appends the texts of a list to those that there are.
+static RfResult read_texts( const RfField* ours, const char* key, const char* item, size_t most, char*** texts, int* count )
 {
-    if ( list->json == NULL )
-        return rf_json_result( list );
-    RfResult result = rf_field_array( list, "name", 0, 1000000 );
-    for ( size_t i = 0; result == RF_OK && i < json_array_size( list->json ); ++i )
+    RfField list = rf_field_member( ours, key );
+    if ( list.json == NULL )
+        return rf_json_result( ours );
+    RfResult result = rf_field_array( &list, item, 0, most );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list.json ); ++i )
     {
-        const char* name = "";
-        RfField item = rf_field_item( list, i );
-        result = rf_field_text( &item, &name );
-        if ( result == RF_OK )
-            result = rf_gltf_note_moving( gltf, name );
+        const char* text = "";
+        RfField one = rf_field_item( &list, i );
+        result = rf_field_text( &one, &text );
+        if ( result != RF_OK || !rf_gltf_grow( texts, *count, sizeof **texts ) )
+            return result != RF_OK ? result : rf_field_no_memory( &list );
+        ( *texts )[*count] = strdup( text );
+        if ( ( *texts )[*count] == NULL )
+            return rf_field_no_memory( &list );
+        *count += 1;
     }
     return result;
 }
@@ -82,7 +88,7 @@ RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
 {
     static const char* const s_keys[] = { "size", "fps", "alpha", NULL };
     RfScene* scene = gltf->scene;
-    RfField render = rf_field_member( ours, "render" ), moving = rf_field_member( ours, "moving" );
+    RfField render = rf_field_member( ours, "render" );
     if ( render.json != NULL )
         rf_field_keys( &render, s_keys );
     RfField size = rf_field_member( &render, "size" ), fps = rf_field_member( &render, "fps" ),
@@ -92,7 +98,7 @@ RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
     read_fps( &fps, &scene->fps );
     rf_get_bool( &render, "alpha", &scene->film_alpha );
     rf_read_view( &view, &scene->view );
-    return read_moving( gltf, &moving );
+    return read_texts( ours, "moving", "name", 1000000, &scene->moving, &scene->moving_count );
 }
 
 static RfResult read_lens( RfGltf* gltf, const RfField* ours, RfCamera* camera )
@@ -330,37 +336,15 @@ static void make_printable( char* text )
     }
 }
 
-static RfResult read_texts( RfGltf* gltf, const RfField* ours, const char* key, char*** texts, int* text_count )
-{
-    RfField list = rf_field_member( ours, key );
-    if ( list.json == NULL )
-        return rf_json_result( ours );
-    RfResult result = rf_field_array( &list, "texts", 0, MAX_WARNINGS );
-    if ( result != RF_OK )
-        return result;
-    size_t count = json_array_size( list.json );
-    *texts = calloc( count + 1, sizeof **texts );
-    if ( *texts == NULL )
-        return rf_gltf_no_memory( gltf, key );
-    for ( size_t i = 0; i < count; ++i )
-    {
-        const char* text = "";
-        RfField item = rf_field_item( &list, i );
-        result = rf_field_text( &item, &text );
-        if ( result != RF_OK )
-            return result;
-        ( *texts )[i] = strdup( text );
-        if ( ( *texts )[i] == NULL )
-            return rf_gltf_no_memory( gltf, key );
-        make_printable( ( *texts )[i] );
-        *text_count += 1;
-    }
-    return RF_OK;
-}
-
 RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
 {
     RfScene* scene = gltf->scene;
-    read_texts( gltf, ours, "export_losses", &scene->export_losses, &scene->export_loss_count );
-    return read_texts( gltf, ours, "export_warnings", &scene->export_warnings, &scene->export_warning_count );
+    read_texts( ours, "export_losses", "texts", MAX_WARNINGS, &scene->export_losses, &scene->export_loss_count );
+    RfResult result =
+        read_texts( ours, "export_warnings", "texts", MAX_WARNINGS, &scene->export_warnings, &scene->export_warning_count );
+    for ( int i = 0; i < scene->export_loss_count; ++i )
+        make_printable( scene->export_losses[i] );
+    for ( int i = 0; i < scene->export_warning_count; ++i )
+        make_printable( scene->export_warnings[i] );
+    return result;
 }

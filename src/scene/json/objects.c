@@ -162,32 +162,23 @@ void rf_destroy_objects( RfObjects* objects )
 
 // Of the scene's own file.
 
-// A node by its name, for a search among many.
-typedef struct NodeName
+// The number of each node by its name, SEVERAL where more than one has it. NULL: there is no memory.
+#define SEVERAL ( -1 )
+static json_t* list_names( const json_t* nodes )
 {
-    const char* name; // "" for nodes without one
-    int index;
-} NodeName;
-
-static int compare_names( const void* a, const void* b )
-{
-    const NodeName *x = a, *y = b;
-    int order = strcmp( x->name, y->name );
-    return order != 0 ? order : ( x->index > y->index ) - ( x->index < y->index );
-}
-
-// In order of their names; NULL: there is no memory.
-static NodeName* sort_names( const json_t* nodes )
-{
-    size_t count = json_array_size( nodes );
-    NodeName* names = malloc( ( count + 1 ) * sizeof *names );
-    for ( size_t i = 0; names != NULL && i < count; ++i )
+    json_t* names = json_object();
+    const json_t* node;
+    size_t i;
+    json_array_foreach( nodes, i, node )
     {
-        const char* name = json_string_value( json_object_get( json_array_get( nodes, i ), "name" ) );
-        names[i] = ( NodeName ){ name != NULL ? name : "", (int)i };
+        const char* name = json_string_value( json_object_get( node, "name" ) );
+        name = name != NULL ? name : "";
+        json_int_t number = json_object_get( names, name ) == NULL ? (json_int_t)i : SEVERAL;
+        if ( json_object_set_new( names, name, json_integer( number ) ) == 0 )
+            continue;
+        json_decref( names );
+        return NULL;
     }
-    if ( names != NULL )
-        qsort( names, count, sizeof *names, compare_names );
     return names;
 }
 
@@ -203,34 +194,32 @@ static bool find_number( const char* text, size_t count, int* index )
     return strcmp( again, text ) == 0;
 }
 
-static RfResult find_node( const RfObject* object, const json_t* nodes, const NodeName* names, int* index )
+static RfResult fail_several( const RfField* field, const char* name, const json_t* nodes )
 {
     char text[NAMES_LISTED * 32];
-    size_t used = 0, count = json_array_size( nodes ), low = 0, high = count;
+    size_t used = 0, i;
     int found = 0;
+    const json_t* node;
+    json_array_foreach( nodes, i, node )
+    {
+        const char* own = json_string_value( json_object_get( node, "name" ) );
+        if ( strcmp( own != NULL ? own : "", name ) == 0 && found++ < NAMES_LISTED )
+            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%zu]", found > 1 ? ", " : "", i );
+    }
+    return rf_field_fail( field, "%d nodes are called '%.60s': give the number of one: %s%s", found, name, text,
+                          found > NAMES_LISTED ? " and so on" : "" );
+}
+
+static RfResult find_node( const RfObject* object, const json_t* nodes, const json_t* names, int* index )
+{
+    const json_t* number = json_object_get( names, object->node );
     RfField field = rf_field_member( &object->field, "node" );
-    if ( find_number( object->node, count, index ) )
+    if ( find_number( object->node, json_array_size( nodes ), index ) )
         return RF_OK;
-    while ( low < high )
-    {
-        size_t middle = low + ( high - low ) / 2;
-        if ( strcmp( names[middle].name, object->node ) < 0 )
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    for ( ; low < count && strcmp( names[low].name, object->node ) == 0; ++low )
-    {
-        *index = names[low].index;
-        if ( found++ < NAMES_LISTED )
-            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%d]", found > 1 ? ", " : "", *index );
-    }
-    if ( found == 0 )
+    if ( number == NULL )
         return rf_fail_unknown_item( &field, "node", object->node, nodes );
-    if ( found > 1 )
-        return rf_field_fail( &field, "%d nodes are called '%.60s': give the number of one: %s%s", found, object->node, text,
-                              found > NAMES_LISTED ? " and so on" : "" );
-    return RF_OK;
+    *index = (int)json_integer_value( number );
+    return *index != SEVERAL ? RF_OK : fail_several( &field, object->node, nodes );
 }
 
 // What glTF or a camera's own path would pass over.
@@ -282,7 +271,7 @@ RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel*
 {
     const json_t* nodes = json_object_get( root, "nodes" );
     int* named = calloc( json_array_size( nodes ) + 1, sizeof *named ); // 1 + the object that names a node
-    NodeName* names = sort_names( nodes );
+    json_t* names = list_names( nodes );
     RfResult result = RF_OK;
     *count = 0;
     for ( int i = 0; result == RF_OK && i < objects->count; ++i )
@@ -303,7 +292,7 @@ RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel*
         named[index] = i + 1;
         append_channels( object, index, channels, count );
     }
-    free( names );
+    json_decref( names );
     free( named );
     return result;
 }
