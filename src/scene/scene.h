@@ -279,7 +279,7 @@ struct RfScene
     char* path;            // the file it was loaded from
     uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
     double origin[3];      // all positions are relative to it, in floats; 0 unless the scene lies far out
-                           // (scene/gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
+                           // (gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
     // Triangle numbers name surfaces everywhere: those below triangles.count are these, the others those of placements
     // (scene/placement.h).
     RfTriangles triangles;
