@@ -2,6 +2,7 @@
 #include "gltf/gltf_geometry.h"
 
 #include "gltf/gltf_material.h"
+#include "scene/merge.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -98,22 +99,6 @@ static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode
 // with the face normal, as the specification requires. (Other primitives get face normals in
 // gltf_mesh.c.)
 
-// Expands an attribute of `components` numbers to one value per corner.
-static bool spread( float** values, size_t components, const RfGltfPrimitive* p )
-{
-    if ( *values == NULL )
-        return true;
-    size_t corners = 3 * (size_t)p->t.count;
-    float* out = malloc( ( corners * components + 1 ) * sizeof *out );
-    if ( out == NULL )
-        return false;
-    for ( size_t i = 0; i < corners * components; ++i )
-        out[i] = ( *values )[p->t.indices[i / components] * components + i % components];
-    free( *values );
-    *values = out;
-    return true;
-}
-
 static bool spread_sources( RfGltfPrimitive* p )
 {
     size_t corners = 3 * (size_t)p->t.count;
@@ -130,14 +115,10 @@ static bool spread_sources( RfGltfPrimitive* p )
 RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
 {
     size_t corners = 3 * (size_t)p->t.count;
-    bool room = spread_sources( p );
-    for ( int a = 0; room && a < RF_ATTRIBUTE_COUNT; ++a )
-        room = spread( rf_attribute( &p->t, a ), g_rf_attributes[a].components, p );
+    bool room = spread_sources( p ) && rf_spread_vertices( &p->t );
     p->t.normals = room ? malloc( ( 3 * corners + 1 ) * sizeof *p->t.normals ) : NULL;
     if ( p->t.normals == NULL )
         return rf_gltf_no_memory( gltf, where );
-    for ( size_t i = 0; i < corners; ++i )
-        p->t.indices[i] = (uint32_t)i;
     for ( size_t t = 0; t < p->t.count; ++t )
     {
         float normal[3]; // zero for a degenerate triangle, which is dropped later
@@ -145,7 +126,6 @@ RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimiti
         for ( size_t c = 0; c < 3; ++c )
             memcpy( p->t.normals + 9 * t + 3 * c, normal, sizeof normal );
     }
-    p->t.vertex_count = (uint32_t)corners;
     p->flat = true;
     return RF_OK;
 }

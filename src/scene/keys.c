@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define PI 3.14159265358979323846
 #define MAX_KEYS 1000000
 #define MAX_KINDS 8
 #define MAX_COMPONENTS 4
@@ -21,7 +22,7 @@ RfKeyed rf_keyed_value( RfChangedValue value )
                         traits->components,
                         own ? traits->file_low : traits->low,
                         own ? traits->file_high : traits->high,
-                        1,
+                        ( traits->flags & RF_VALUE_DEGREES ) != 0 ? PI / 180.0 : 1.0,
                         NULL };
 }
 

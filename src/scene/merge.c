@@ -38,6 +38,29 @@ bool rf_append_vertices( RfTriangles* to, const RfTriangles* from )
     return true;
 }
 
+bool rf_spread_vertices( RfTriangles* t )
+{
+    size_t corners = 3 * (size_t)t->count;
+    for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
+    {
+        const size_t n = g_rf_attributes[a].components;
+        float** values = rf_attribute( t, a );
+        if ( *values == NULL )
+            continue;
+        float* own = malloc( ( corners * n + 1 ) * sizeof *own );
+        if ( own == NULL )
+            return false;
+        for ( size_t i = 0; i < corners; ++i )
+            memcpy( own + n * i, *values + n * t->indices[i], n * sizeof *own );
+        free( *values );
+        *values = own;
+    }
+    for ( size_t i = 0; i < corners; ++i )
+        t->indices[i] = (uint32_t)i;
+    t->vertex_count = (uint32_t)corners;
+    return true;
+}
+
 bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material )
 {
     size_t before = to->vertex_count, all = (size_t)to->count + from->count;

@@ -22,19 +22,16 @@
 
 #define PI 3.14159265358979323846
 
+// Those of its values that change, from RF_CHANGED_SKY_STRENGTH on.
 enum
 {
     STRENGTH,
     RADIANCE,
     ROTATION,
-    KEYED_COUNT
+    SKY_VALUES
 };
 
-static const RfKeyed s_keyed[KEYED_COUNT] = {
-    [STRENGTH] = { "strength", RF_VALUE, 1, 0, MAX_RADIANCE, 1, NULL },
-    [RADIANCE] = { "radiance", RF_VALUE, 3, 0, MAX_RADIANCE, 1, NULL },
-    [ROTATION] = { "rotation", RF_VALUE, 1, -1e6, 1e6, PI / 180.0, NULL },
-};
+static RfChangedValue sky_value( int i ) { return (RfChangedValue)( (int)RF_CHANGED_SKY_STRENGTH + i ); }
 
 // The view in place of the file; −1: none.
 static RfResult read_view( const RfField* object, const RfField* map, int* view )
@@ -65,30 +62,36 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
                                                "interpolation", "keys", "light_group", NULL };
     static const char* const s_keys[] = { "radiance",      "map",  "strength",   "rotation",    "visible",
                                           "interpolation", "keys", "bufferView", "light_group", NULL };
-    double radiance[3] = { 1.0, 1.0, 1.0 }, strength = 1.0, rotation = 0.0;
+    double values[SKY_VALUES][3] = { [STRENGTH] = { 1.0 }, [RADIANCE] = { 1.0, 1.0, 1.0 } };
+    RfKeyed kinds[SKY_VALUES];
     bool visible = true;
     *text = ( RfEnvironmentText ){ .view = -1 };
-    RfField map_field = rf_field_member( object, "map" ), strength_field = rf_field_member( object, "strength" ),
-            rotation_field = rf_field_member( object, "rotation" );
+    RfField map_field = rf_field_member( object, "map" );
+    for ( int i = 0; i < SKY_VALUES; ++i )
+        kinds[i] = rf_keyed_value( sky_value( i ) );
     rf_field_keys( object, in_gltf ? s_keys : s_file_keys );
     if ( in_gltf )
         read_view( object, &map_field, &text->view );
     bool has_map = map_field.json != NULL || text->view >= 0;
     rf_read_light_group( object, &text->light_group );
-    rf_get_numbers( object, "radiance", rf_range( 0.0, MAX_RADIANCE ), 3, radiance );
     rf_field_text( &map_field, &text->map );
     rf_get_bool( object, "visible", &visible );
-    rf_read_keys( object, fps, s_keyed, KEYED_COUNT, text->changes, &text->in_frames );
+    rf_read_keys( object, fps, kinds, SKY_VALUES, text->changes, &text->in_frames );
     if ( !rf_has_member( object, "radiance" ) && text->changes[RADIANCE].count == 0 && !has_map )
         return rf_field_fail( object, "gives no light: give radiance, map or both" );
-    rf_read_keyed( &strength_field, s_keyed + STRENGTH, &strength );
-    RfResult result = rf_read_keyed( &rotation_field, s_keyed + ROTATION, &rotation );
+    for ( int i = 0; i < SKY_VALUES; ++i )
+    {
+        RfField field = rf_field_member( object, kinds[i].name );
+        rf_read_keyed( &field, kinds + i, values[i] );
+    }
+    const double *radiance = values[RADIANCE], strength = values[STRENGTH][0];
+    RfResult result = rf_json_result( object );
     if ( result != RF_OK )
         return result;
     text->environment = ( RfEnvironment ){
         .radiance =
             rf_vec3( (float)( radiance[0] * strength ), (float)( radiance[1] * strength ), (float)( radiance[2] * strength ) ),
-        .rotation = (float)fmod( rotation, 2.0 * PI ),
+        .rotation = (float)fmod( values[ROTATION][0], 2.0 * PI ),
         .hidden = !visible,
     };
     return most_radiance( text ) <= MAX_RADIANCE
@@ -99,7 +102,7 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
 void rf_destroy_environment_text( RfEnvironmentText* text )
 {
     free( text->environment.map );
-    for ( int i = 0; i < KEYED_COUNT; ++i )
+    for ( int i = 0; i < SKY_VALUES; ++i )
         rf_destroy_channel( text->changes + i );
     *text = ( RfEnvironmentText ){ 0 };
 }
@@ -147,21 +150,19 @@ RfResult rf_decode_environment( const RfField* object, const void* bytes, size_t
 
 RfResult rf_give_environment( const RfField* object, RfEnvironmentText* text, RfScene* scene, RfLog* log )
 {
-    static const RfChangedValue s_values[KEYED_COUNT] = { RF_CHANGED_SKY_STRENGTH, RF_CHANGED_SKY_RADIANCE,
-                                                          RF_CHANGED_SKY_ROTATION };
     RfResult result = RF_OK;
     bool constant = text->environment.map == NULL;
     if ( text->light_group != NULL && !rf_tag_light( scene, text->light_group, &text->environment.light_group ) )
         return rf_field_no_memory( object );
-    for ( int i = 0; result == RF_OK && i < KEYED_COUNT; ++i )
+    for ( int i = 0; result == RF_OK && i < SKY_VALUES; ++i )
     {
-        RfChange change = { .value = s_values[i], .channel = text->changes[i] };
+        RfChange change = { .value = sky_value( i ), .channel = text->changes[i] };
         if ( change.channel.count == 0 || ( i == ROTATION && constant ) )
             continue;
         if ( !rf_channel_varies( &change.channel ) )
         {
             int value = change.channel.interpolation == RF_CUBICSPLINE ? change.channel.components : 0; // after its tangent
-            rf_change_sky( &text->environment, s_values[i], change.channel.values + value );
+            rf_change_sky( &text->environment, sky_value( i ), change.channel.values + value );
             continue;
         }
         text->environment.changes = true;
