@@ -295,25 +295,11 @@ static RfResult choose_time( RfGltf* gltf )
 static RfResult read_document( RfGltf* gltf )
 {
     static RfResult ( *const s_steps[] )( RfGltf * gltf ) = {
-        check_asset,
-        rf_gltf_check_required,
-        rf_gltf_open_lists,
-        rf_gltf_choose_variant,
-        rf_gltf_open_edits,
-        create_accessors,
-        rf_gltf_load_buffers,
-        rf_gltf_load_nodes,
-        rf_gltf_load_animations,
-        rf_gltf_load_cameras,
-        rf_gltf_load_environment, // with the frames per second
-        choose_time,
-        rf_gltf_load_materials,
-        rf_gltf_split_light_groups,
-        rf_gltf_load_lights,
-        rf_gltf_load_meshes,
-        rf_gltf_load_images,
-        rf_gltf_list_moving,
-        rf_gltf_notice_unread,
+        check_asset,         rf_gltf_check_required, rf_gltf_open_lists,         rf_gltf_choose_variant,  rf_gltf_open_edits,
+        create_accessors,    rf_gltf_load_buffers,   rf_gltf_load_nodes,         rf_gltf_load_animations, rf_gltf_load_cameras,
+        rf_gltf_load_extras, // with the frames per second
+        choose_time,         rf_gltf_load_materials, rf_gltf_split_light_groups, rf_gltf_load_lights,     rf_gltf_load_meshes,
+        rf_gltf_load_images, rf_gltf_list_moving,    rf_gltf_notice_unread,
     };
     RfResult result = RF_OK;
     for ( size_t i = 0; result == RF_OK && i < sizeof s_steps / sizeof s_steps[0]; ++i )

@@ -211,8 +211,28 @@ void rf_gltf_notice( RfGltf* gltf, const char* format, ... ) __attribute__( ( fo
 // Fails, since the library that an extension needs was left out of this build.
 RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const char* extension, const char* library );
 
-// Finds the top-level lists (gltf_document.c).
-RfResult rf_gltf_open_lists( RfGltf* gltf );
+// The steps of a reading, in their order (gltf.c).
+RfResult rf_gltf_check_required( RfGltf* gltf ); // that all extensions which the file requires are read
+RfResult rf_gltf_open_lists( RfGltf* gltf );     // the top-level lists
+RfResult rf_gltf_choose_variant( RfGltf* gltf ); // of materials, of those that are listed
+RfResult rf_gltf_open_edits( RfGltf* gltf );     // which materials and lights a scene file says something of
+RfResult rf_gltf_load_buffers( RfGltf* gltf );
+RfResult rf_gltf_load_nodes( RfGltf* gltf );
+RfResult rf_gltf_load_animations( RfGltf* gltf );
+RfResult rf_gltf_load_cameras( RfGltf* gltf );
+RfResult rf_gltf_load_extras( RfGltf* gltf ); // of the default scene (gltf_shot.c), with its environment
+RfResult rf_gltf_load_materials( RfGltf* gltf );
+RfResult rf_gltf_split_light_groups( RfGltf* gltf ); // materials that meshes of tagged nodes emit by
+RfResult rf_gltf_load_lights( RfGltf* gltf );        // of KHR_lights_punctual
+RfResult rf_gltf_load_meshes( RfGltf* gltf );        // of all nodes of the default scene, baked or placed
+RfResult rf_gltf_load_images( RfGltf* gltf );        // that materials of triangles use
+RfResult rf_gltf_list_moving( RfGltf* gltf );        // names of all that moves; warns of what is frozen or does not move
+RfResult rf_gltf_notice_unread( RfGltf* gltf );      // extensionsUsed, but for those that objects were warned of
+
+// What they leave behind in the document.
+void rf_gltf_free_unpacked( RfGltf* gltf );
+void rf_gltf_free_buffers( RfGltf* gltf );
+void rf_gltf_free_split( RfGltf* gltf );
 
 // An object of a top-level list.
 const json_t* rf_gltf_item( const RfGltf* gltf, RfGltfList list, int index );
@@ -245,9 +265,6 @@ RfField rf_gltf_extras( const RfField* object );
 // Copies the name of the object, or `fallback` if it has none.
 RfResult rf_gltf_copy_name( const RfField* object, const char* fallback, char** name );
 
-// Fails if the file requires an unsupported extension (gltf_extension.c).
-RfResult rf_gltf_check_required( RfGltf* gltf );
-
 // Is what an extension says read?
 bool rf_gltf_reads( const char* extension );
 
@@ -256,9 +273,6 @@ RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture );
 
 // Warns of unsupported extensions of an object, which messages call `kind` and `name`.
 void rf_gltf_notice_extensions( RfGltf* gltf, const RfField* object, const char* kind, const char* name );
-
-// Warns of all extensions in extensionsUsed that are not read, unless rf_gltf_notice_extensions has.
-RfResult rf_gltf_notice_unread( RfGltf* gltf );
 
 // True for a data: URI (gltf_buffer.c).
 bool rf_is_data_uri( const char* uri );
@@ -270,27 +284,12 @@ RfResult rf_gltf_read_uri( const RfGltf* gltf, const char* where, const char* ur
 // Converts a relative URI to a path beside the file; the caller frees it.
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path );
 
-// Reads the environment from the extras of the scene (gltf_light.c).
-RfResult rf_gltf_load_environment( RfGltf* gltf );
-
-// Finds which materials and lights a scene file says something of (gltf_edit.c).
-RfResult rf_gltf_open_edits( RfGltf* gltf );
-
 // Fails since no item of the list, such as a "material" of "materials", has the name; says which there are.
 #define RF_ITEM_NAME 32 // of one without a name
 RfResult rf_fail_unknown_item( const RfField* field, const char* kind, const char* name, const json_t* list );
 
-// Lists the variants of materials, and finds the one that is chosen (gltf_variant.c).
-RfResult rf_gltf_choose_variant( RfGltf* gltf );
-
 // The material of a primitive, in that variant; −1: none.
 RfResult rf_gltf_material_of( const RfGltf* gltf, const RfField* primitive, int* material );
-
-// Loads all buffers (gltf_buffer.c).
-RfResult rf_gltf_load_buffers( RfGltf* gltf );
-
-// Frees the buffers.
-void rf_gltf_free_buffers( RfGltf* gltf );
 
 // The bytes of a view (gltf_accessor.c) from `offset` on, of which `need` must exist.
 RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
@@ -309,9 +308,6 @@ RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t byte
 // Whether the build has libdraco and libmeshoptimizer (gltf_document.c).
 bool rf_gltf_has_draco( void );
 bool rf_gltf_has_meshopt( void );
-
-// Frees what compressed views hold (gltf_draco.c).
-void rf_gltf_free_unpacked( RfGltf* gltf );
 
 // Decodes a view; `out` is NULL where it is not compressed.
 RfResult rf_gltf_unpack_view( const RfGltf* gltf, int view, const RfGltfUnpackedView** out );
@@ -350,10 +346,6 @@ RfResult rf_gltf_read_light_group( const RfGltf* gltf, const RfField* object, in
 // The same of an object that may have the member "light_group" itself.
 RfResult rf_gltf_read_tag( const RfGltf* gltf, const RfField* ours, int* tag );
 
-// Tags the materials that meshes of tagged nodes emit by: once they are read, with copies of those that are in several groups.
-RfResult rf_gltf_split_light_groups( RfGltf* gltf );
-void rf_gltf_free_split( RfGltf* gltf );
-
 // What a material is in the use of a mesh.
 uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material );
 
@@ -361,24 +353,12 @@ uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material
 RfResult rf_gltf_read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
                                   int* node );
 
-// Reads the hierarchy (gltf_node.c; cameras: gltf_camera.c).
-RfResult rf_gltf_load_nodes( RfGltf* gltf );
-
-// Reads the animations (gltf_animation.c).
-RfResult rf_gltf_load_animations( RfGltf* gltf );
-
 // The number of morph targets of a node's mesh; fails if it has none (gltf_deformation.c).
 RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count );
 
 // Adds to what changes in the file and cannot be rendered so; the same is listed once.
 RfResult rf_gltf_note_unrendered( RfGltf* gltf, const char* what, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
-
-// Reads the cameras (gltf_camera.c).
-RfResult rf_gltf_load_cameras( RfGltf* gltf );
-
-// Reads the lights of KHR_lights_punctual (gltf_light.c).
-RfResult rf_gltf_load_lights( RfGltf* gltf );
 
 // The node that a channel from outside the file is of.
 static inline int rf_gltf_given_node( const RfGltf* gltf, const RfChannel* channel )
@@ -430,21 +410,11 @@ typedef enum RfGltfVisibility
 
 RfGltfVisibility rf_gltf_visibility( const RfGltf* gltf, int node );
 
-// Makes scene->moving the sorted names of all that moves, lists what else it names, which moves where the file was made but
-// not in the file, and warns of what is frozen; called last.
-RfResult rf_gltf_list_moving( RfGltf* gltf );
-
-// Reads `render` and `moving` of the scene's extras.reframe.
-RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours );
-
 // `extras.reframe` of the default scene of a document, which need not be valid.
 const json_t* rf_gltf_document_extras( const json_t* root );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );
-
-// Reads `export_losses` and `export_warnings` of the scene's extras.reframe (gltf_shot.c).
-RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours );
 
 // Reads the path in a camera node's extras.reframe, where there is one.
 RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* camera );

@@ -111,7 +111,4 @@ RfResult rf_gltf_set_apart( RfGltf* gltf, int node );
 // Places what was set apart, after everything else.
 RfResult rf_gltf_place_movers( RfGltf* gltf );
 
-// Bakes or places the meshes of all nodes of the default scene (gltf_mesh.c).
-RfResult rf_gltf_load_meshes( RfGltf* gltf );
-
 #endif

@@ -58,9 +58,6 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement );
 // (gltf_texture.c).
 bool rf_gltf_texture_slot( const char* path, size_t length, int* slot );
 
-// Reads all materials (gltf_material.c).
-RfResult rf_gltf_load_materials( RfGltf* gltf );
-
 // The index of the material for primitives without one, created on first use.
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
 
@@ -92,9 +89,5 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const RfGltfMaterial* material, Rf
 
 // A struct without textures; NULL if out of memory.
 RfTextured* rf_gltf_textured( const RfFactors* factors );
-
-// Decodes the images that materials of triangles use (gltf_texture.c); called after the meshes
-// are loaded.
-RfResult rf_gltf_load_images( RfGltf* gltf );
 
 #endif

@@ -1,4 +1,5 @@
-// What `extras.reframe` of a scene says beside its environment: settings of a render, camera paths, warnings of the exporter.
+// What `extras.reframe` of a scene says: its environment, settings of a render, what moves, warnings of the exporter; and that of
+// camera nodes.
 #include "gltf/gltf_material.h"
 
 #include "base/file.h"
@@ -6,7 +7,6 @@
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
-#include "base/json.h"
 #include "scene/shared_json.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
@@ -84,7 +84,7 @@ static RfResult read_texts( const RfField* ours, const char* key, const char* it
     return result;
 }
 
-RfResult rf_gltf_read_shot( RfGltf* gltf, const RfField* ours )
+static RfResult read_shot( RfGltf* gltf, const RfField* ours )
 {
     static const char* const s_keys[] = { "size", "fps", "alpha", NULL };
     RfScene* scene = gltf->scene;
@@ -336,7 +336,7 @@ static void make_printable( char* text )
     }
 }
 
-RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
+static RfResult read_warnings( RfGltf* gltf, const RfField* ours )
 {
     RfScene* scene = gltf->scene;
     read_texts( ours, "export_losses", "texts", MAX_WARNINGS, &scene->export_losses, &scene->export_loss_count );
@@ -347,4 +347,72 @@ RfResult rf_gltf_read_warnings( RfGltf* gltf, const RfField* ours )
     for ( int i = 0; i < scene->export_warning_count; ++i )
         make_printable( scene->export_warnings[i] );
     return result;
+}
+
+// The environment.
+//
+//     {"environment": {"radiance": [r, g, b], "map": "sky.exr", "rotation": 90, "visible": false}}
+//
+// A map inside the file is a bufferView with the bytes of an EXR or HDR instead: {"bufferView": 7}.
+
+static RfResult load_map( RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
+{
+    char* path;
+    RfResult result = rf_gltf_resolve_uri( gltf, object->path, text->map, &path );
+    if ( result != RF_OK )
+        return result;
+    result = rf_load_environment( object, path, text );
+    free( path );
+    if ( result == RF_OK )
+        gltf->scene->content_hash = rf_hash_environment( gltf->scene->content_hash, &text->environment );
+    return result;
+}
+
+// The bytes of the file, and with them those of the view, are in the scene's hash already.
+static RfResult decode_map( const RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
+{
+    size_t length = 0;
+    const uint8_t* bytes = NULL;
+    RfField field = rf_field_member( object, "bufferView" );
+    if ( text->view >= gltf->counts[RF_GLTF_BUFFER_VIEWS] )
+        return rf_field_fail( &field, "names bufferView %d, but there are %d", text->view, gltf->counts[RF_GLTF_BUFFER_VIEWS] );
+    RfResult result = rf_gltf_whole_view( gltf, object->path, text->view, INT64_MAX, &bytes, &length );
+    return result == RF_OK ? rf_decode_environment( object, bytes, length, text ) : result;
+}
+
+static RfResult load_environment( RfGltf* gltf, const RfField* object )
+{
+    RfScene* scene = gltf->scene;
+    RfEnvironmentText text;
+    RfResult result = rf_read_environment( object, true, rf_scene_fps( scene ), &text );
+    if ( result == RF_OK && text.view >= 0 )
+        result = decode_map( gltf, object, &text );
+    else if ( result == RF_OK && text.map != NULL )
+        result = load_map( gltf, object, &text );
+    if ( result == RF_OK )
+        result = rf_give_environment( object, &text, scene, gltf->log );
+    if ( result == RF_OK && text.in_frames )
+        scene->key_fps = rf_scene_fps( scene );
+    rf_destroy_environment_text( &text );
+    return result;
+}
+
+RfResult rf_gltf_load_extras( RfGltf* gltf )
+{
+    static const char* const s_keys[] = { "environment", "render", "moving", "export_losses", "export_warnings", "view", NULL };
+    if ( gltf->counts[RF_GLTF_SCENES] == 0 )
+        return RF_OK;
+    RfField root = rf_gltf_root( gltf );
+    int index = rf_gltf_get_index( gltf, &root, "scene", RF_GLTF_SCENES );
+    RfField scene = rf_gltf_item_field( gltf, RF_GLTF_SCENES, index >= 0 ? index : 0 ), field = rf_gltf_extras( &scene );
+    if ( field.json == NULL )
+        return rf_json_result( &root );
+    rf_field_keys( &field, s_keys );
+    RfResult result = read_shot( gltf, &field );
+    if ( result == RF_OK )
+        result = read_warnings( gltf, &field );
+    RfField object = rf_field_member( &field, "environment" );
+    if ( result != RF_OK || object.json == NULL || gltf->options->no_environment )
+        return result;
+    return load_environment( gltf, &object );
 }
