@@ -10,7 +10,7 @@
 // (gltf_primitive.c).
 typedef struct RfGltfPrimitive
 {
-    RfTriangles t;     // count 0: nothing to draw; without normals: flat shading
+    RfTriangles t;     // count 0: nothing to draw
     uint32_t* sources; // per vertex: its number in the accessors
     bool flat;         // the normals are those of the triangles, which share no vertices
     uint32_t material;
@@ -18,9 +18,6 @@ typedef struct RfGltfPrimitive
 
 // Reads a primitive; to survey it, the number of its triangles and its material alone.
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool survey, RfGltfPrimitive* out );
-
-// Gives each triangle vertices of its own with its normal, which is 0 where it has no area.
-RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* primitive );
 
 // Frees a primitive.
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
@@ -46,19 +43,21 @@ typedef struct RfGltfBaker
     RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
     double least_double_area;      // twice the smallest triangle area that is kept
     uint32_t vertex_capacity, triangle_capacity;
-    float* world; // transformed positions of the current primitive
-    uint32_t world_capacity;
+    bool deforms;    // triangles without area stay
     uint32_t placed; // triangles so far, including dropped ones
     uint64_t degenerate;
     RfWhere first_degenerate;
 } RfGltfBaker;
 
-// Appends a primitive, transformed by a matrix.
+// Appends a primitive, transformed by a matrix; NULL: in its own space.
 RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
                        const char* where );
 
-// Frees what a baker needs only while it bakes, and spare memory of its triangles.
+// Frees spare memory of the triangles.
 void rf_gltf_finish_baker( RfGltfBaker* baker );
+
+// Says how many triangles were dropped, if any.
+void rf_gltf_warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker );
 
 // The instances of a node's mesh and their transforms within the node; a single one without
 // the extension (gltf_node.c).

@@ -170,7 +170,7 @@ static bool may_be_mirror( const RfMaterial* m )
 // Whether some triangle has the same normal at its corners.
 static bool has_flat_triangle( const RfGltfPrimitive* p )
 {
-    for ( size_t i = 0; i < p->t.count && p->t.normals != NULL; ++i )
+    for ( size_t i = 0; i < p->t.count; ++i )
     {
         const float *a = p->t.normals + 3 * (size_t)p->t.indices[3 * i], *b = p->t.normals + 3 * (size_t)p->t.indices[3 * i + 1],
                     *c = p->t.normals + 3 * (size_t)p->t.indices[3 * i + 2];
@@ -180,7 +180,7 @@ static bool has_flat_triangle( const RfGltfPrimitive* p )
         if ( most < 1e-3f )
             return true;
     }
-    return p->t.normals == NULL;
+    return false;
 }
 
 static bool can_be_placed( const RfScene* scene, const RfGltfPrimitive* p )
@@ -386,13 +386,6 @@ static RfResult choose_placed( RfGltf* gltf )
     return RF_OK;
 }
 
-static void warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker )
-{
-    if ( baker->degenerate > 0 )
-        rf_warn( gltf->log, "%s: %llu triangles without area are dropped, the first in %s", gltf->path,
-                 (unsigned long long)baker->degenerate, baker->first_degenerate.text );
-}
-
 RfResult rf_gltf_load_meshes( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
@@ -412,7 +405,7 @@ RfResult rf_gltf_load_meshes( RfGltf* gltf )
     rf_gltf_finish_baker( &baker );
     scene->bounds_min = baker.bounds_min;
     scene->bounds_max = baker.bounds_max;
-    warn_of_degenerate( gltf, &baker );
+    rf_gltf_warn_of_degenerate( gltf, &baker );
     free( worlds );
     if ( result == RF_OK )
         result = rf_finish_placements( scene, gltf->error );

@@ -95,10 +95,6 @@ static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode
     return RF_OK;
 }
 
-// Primitives without normals that need tangents: every triangle gets three vertices of its own
-// with the face normal, as the specification requires. (Other primitives get face normals in
-// gltf_mesh.c.)
-
 static bool spread_sources( RfGltfPrimitive* p )
 {
     size_t corners = 3 * (size_t)p->t.count;
@@ -112,7 +108,9 @@ static bool spread_sources( RfGltfPrimitive* p )
     return true;
 }
 
-RfResult rf_gltf_make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
+// Gives each triangle vertices of its own with its normal, which is 0 where it has no area: of primitives without normals, as the
+// specification requires.
+static RfResult make_flat( const RfGltf* gltf, const char* where, RfGltfPrimitive* p )
 {
     size_t corners = 3 * (size_t)p->t.count;
     bool room = spread_sources( p ) && rf_spread_vertices( &p->t );
@@ -307,8 +305,7 @@ static RfResult add_tangents( RfGltf* gltf, const char* where, RfGltfPrimitive* 
                         where, material->name );
     if ( uvs == NULL || ( ref->texture < 0 && !anisotropic ) )
         return RF_OK;
-    RfResult result = out->t.normals == NULL ? rf_gltf_make_flat( gltf, where, out ) : RF_OK;
-    return result == RF_OK ? rf_gltf_make_tangents( gltf, where, ref, out ) : result;
+    return rf_gltf_make_tangents( gltf, where, ref, out );
 }
 
 RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool survey, RfGltfPrimitive* out )
@@ -340,6 +337,8 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
         result = read_triangles( gltf, primitive, (int)mode, vertex_count, survey, &out->t );
     if ( result == RF_OK && out->t.count > 0 && !survey )
         result = read_vertices( gltf, where, &attributes, vertex_count, out );
+    if ( result == RF_OK && out->t.count > 0 && !survey && out->t.normals == NULL )
+        result = make_flat( gltf, where, out );
     if ( result == RF_OK && out->t.count > 0 && !survey )
         result = add_tangents( gltf, where, out );
     if ( result != RF_OK )
