@@ -122,12 +122,26 @@ void rf_gltf_free_changes( RfGltf* gltf )
     free( gltf->moving_materials );
 }
 
+// The first change that does not come before that of a value.
+static int lower_bound( const RfGltf* gltf, RfChangedValue value, int of, int slot )
+{
+    const RfChange wanted = { .value = value, .of = of, .slot = slot };
+    int low = 0, high = gltf->change_count;
+    while ( low < high )
+    {
+        int middle = low + ( high - low ) / 2;
+        if ( compare( gltf->changes + middle, &wanted ) < 0 )
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int slot, double* still )
 {
-    RfChange wanted = { .value = value, .of = of, .slot = slot };
-    const RfChange* found =
-        gltf->change_count > 0 ? bsearch( &wanted, gltf->changes, (size_t)gltf->change_count, sizeof wanted, compare ) : NULL;
-    if ( found == NULL )
+    const RfChange* found = gltf->changes + lower_bound( gltf, value, of, slot );
+    if ( found == gltf->changes + gltf->change_count || found->value != value || found->of != of || found->slot != slot )
         return -1;
     bool frozen = gltf->freeze && group_of( value ) != (int)RF_OF_CAMERA; // cameras never are
     if ( !frozen && rf_channel_varies( &found->channel ) )
@@ -272,21 +286,6 @@ static bool follow_changes( RfGltf* gltf, const RfMovingMaterial* moving, RfMate
     return out->dims || out->changes;
 }
 
-static int first_of_material( const RfGltf* gltf, int material )
-{
-    RfChange least = { .value = RF_CHANGED_BASE_COLOR, .of = material, .slot = 0 };
-    int low = 0, high = gltf->change_count;
-    while ( low < high )
-    {
-        int middle = low + ( high - low ) / 2;
-        if ( compare( gltf->changes + middle, &least ) < 0 )
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 RfResult rf_gltf_add_moving_material( RfGltf* gltf, const RfMovingMaterial* moving )
 {
     if ( !rf_gltf_grow( &gltf->moving_materials, gltf->moving_material_count, sizeof *gltf->moving_materials ) )
@@ -297,7 +296,7 @@ RfResult rf_gltf_add_moving_material( RfGltf* gltf, const RfMovingMaterial* movi
 
 RfResult rf_gltf_change_material( RfGltf* gltf, RfMovingMaterial* moving, RfMaterial* out )
 {
-    int first = first_of_material( gltf, moving->material ), end = first;
+    int first = lower_bound( gltf, RF_CHANGED_BASE_COLOR, moving->material, 0 ), end = first;
     while ( end < gltf->change_count && gltf->changes[end].of == moving->material &&
             group_of( gltf->changes[end].value ) == (int)RF_OF_MATERIAL )
         ++end;

@@ -386,12 +386,6 @@ static RfResult settle_still( Builder* b )
     return result;
 }
 
-static void free_mesh( RfMesh* mesh )
-{
-    rf_destroy_triangles( &mesh->triangles );
-    rf_destroy_deformation( mesh->deformation );
-}
-
 // Frees the meshes that are no longer placed.
 static RfResult drop_meshes( const RfGltf* gltf )
 {
@@ -406,7 +400,8 @@ static RfResult drop_meshes( const RfGltf* gltf )
     {
         if ( renumbered[i] < 0 )
         {
-            free_mesh( scene->meshes + i );
+            rf_destroy_triangles( &scene->meshes[i].triangles );
+            rf_destroy_deformation( scene->meshes[i].deformation );
             continue;
         }
         renumbered[i] = kept;

@@ -212,42 +212,32 @@ static uint32_t add_triangles( Spaces* s )
     return count;
 }
 
-static bool grow( float** values, size_t count, size_t components )
-{
-    if ( *values == NULL )
-        return true;
-    float* grown = realloc( *values, ( count * components + 1 ) * sizeof *grown );
-    *values = grown != NULL ? grown : *values;
-    return grown != NULL;
-}
-
-static void copy( float* values, size_t to, size_t from, size_t components )
-{
-    if ( values != NULL )
-        memcpy( values + to * components, values + from * components, components * sizeof *values );
-}
-
-static bool grow_sources( RfGltfPrimitive* p, size_t count )
-{
-    uint32_t* grown = realloc( p->sources, ( count + 1 ) * sizeof *grown );
-    p->sources = grown != NULL ? grown : p->sources;
-    return grown != NULL;
-}
-
 // Assigns the duplicates to triangles of the second orientation. Tangents have their room.
 static bool split( const Spaces* s, uint32_t count )
 {
     RfGltfPrimitive* p = s->primitive;
-    bool room = grow_sources( p, count );
-    for ( int a = 0; a < RF_TANGENT; ++a )
-        room = room && grow( rf_attribute( &p->t, a ), count, g_rf_attributes[a].components );
+    uint32_t* sources = realloc( p->sources, ( (size_t)count + 1 ) * sizeof *sources );
+    p->sources = sources != NULL ? sources : p->sources;
+    bool room = sources != NULL;
     for ( uint32_t v = 0; room && v < p->t.vertex_count; ++v )
     {
-        if ( s->twin[v] == NONE )
+        if ( s->twin[v] != NONE )
+            sources[s->twin[v]] = sources[v];
+    }
+    for ( int a = 0; room && a < RF_TANGENT; ++a )
+    {
+        const size_t n = g_rf_attributes[a].components;
+        float** all = rf_attribute( &p->t, a );
+        if ( *all == NULL )
             continue;
-        for ( int a = 0; a < RF_TANGENT; ++a )
-            copy( *rf_attribute( &p->t, a ), s->twin[v], v, g_rf_attributes[a].components );
-        p->sources[s->twin[v]] = p->sources[v];
+        float* grown = realloc( *all, ( count * n + 1 ) * sizeof *grown );
+        *all = grown != NULL ? grown : *all;
+        room = grown != NULL;
+        for ( size_t v = 0; room && v < p->t.vertex_count; ++v )
+        {
+            if ( s->twin[v] != NONE )
+                memcpy( grown + n * s->twin[v], grown + n * v, n * sizeof *grown );
+        }
     }
     return room;
 }

@@ -14,8 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static GltfFolder s_folder;
-
 // Accessors, each with a view of its own: 0 positions, 1 normals, 2 indices, 3
 // times, 4 three numbers three times, 5 quaternions of which [1] is zero, 6 good
 // ones, 7 and 8 three and four numbers, [1] not finite, 9 pairs, 10 signed indices.
@@ -57,7 +55,7 @@ static void expect_failure( const char* path, const Fault* fault )
     RfResult result = rf_load_gltf( path, &scene, NULL, &error );
     if ( result == RF_OK )
         fail_msg( "loads, instead of '%s'", fault->text );
-    if ( result != fault->code || strstr( error.text, fault->text ) == NULL || strstr( error.text, s_folder.path ) == NULL ||
+    if ( result != fault->code || strstr( error.text, fault->text ) == NULL || strstr( error.text, gltf_folder.path ) == NULL ||
          strchr( error.text, '\n' ) != NULL )
         fail_msg( "%s '%s', wanted %s '%s'", rf_result_name( result ), error.text, rf_result_name( fault->code ), fault->text );
     assert_null( scene.path );
@@ -71,7 +69,7 @@ static void expect_faults( const Fault* faults, size_t count )
         GltfBuilder b = make_parts();
         strcat( b.accessors, faults[i].accessors != NULL ? faults[i].accessors : "" );
         strcat( b.views, faults[i].views != NULL ? faults[i].views : "" );
-        expect_failure( write_gltf( &b, &s_folder, faults[i].json ), faults + i );
+        expect_failure( write_gltf( &b, &gltf_folder, faults[i].json ), faults + i );
     }
 }
 #define EXPECT_FAULTS( faults ) expect_faults( faults, sizeof( faults ) / sizeof( faults )[0] )
@@ -316,7 +314,7 @@ TEST( test_broken_pixels )
     const Fault fault = { RF_ERROR_SCENE, "images[0]: pixel (1, 0) is not finite", NULL, NULL, NULL };
     expect_failure(
         write_gltf(
-            &b, &s_folder,
+            &b, &gltf_folder,
             PRIMITIVE(
                 "\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":9},\"material\":0" ) ",\"images\":[{\"bufferView\":11}],"
                                                                                     "\"textures\":[{\"source\":0}],\"materials\":"
@@ -331,27 +329,13 @@ TEST( test_broken_containers )
     uint8_t bytes[64] = "glTF\2\0\0\0\14\0\0\0";
     const Fault none = { BAD, "has no JSON chunk", NULL, NULL, NULL },
                 cut = { BAD, "GLB chunk 1: the file ends inside its header", NULL, NULL, NULL };
-    expect_failure( write_bytes( &s_folder, "a.glb", bytes, 12 ), &none );
+    expect_failure( write_bytes( &gltf_folder, "a.glb", bytes, 12 ), &none );
     GltfBuilder b = { 0 };
     size_t size;
     uint8_t* glb = build_glb( &b, "", &size ); // ends in an empty chunk of 8 bytes
     glb[8] = (uint8_t)( size - 3 );
-    expect_failure( write_bytes( &s_folder, "a.glb", glb, size - 3 ), &cut );
+    expect_failure( write_bytes( &gltf_folder, "a.glb", glb, size - 3 ), &cut );
     free( glb );
 }
 
-static int enter( void** state )
-{
-    (void)state;
-    s_folder = make_folder();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    remove_folder( &s_folder );
-    return 0;
-}
-
-SHARED_BY_TESTS( enter, leave )
+SHARED_BY_TESTS( gltf_enter, gltf_leave )

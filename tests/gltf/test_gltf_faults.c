@@ -17,12 +17,10 @@
 // Broken files per run; the environment's REFRAME_MUTATIONS asks for more.
 #define MUTATIONS 300
 
-static GltfFolder s_folder;
-
 static void check_text( const RfError* error, const char* object )
 {
     if ( strstr( error->text, object ) == NULL || strchr( error->text, '\n' ) != NULL ||
-         strstr( error->text, s_folder.path ) == NULL )
+         strstr( error->text, gltf_folder.path ) == NULL )
         fail_msg( "error line lacks '%s' or the file: %s", object, error->text );
 }
 
@@ -64,7 +62,7 @@ static void expect_faults( const Fault* faults, size_t count )
     for ( size_t i = 0; i < count; ++i )
     {
         GltfBuilder b = make_triangle();
-        expect_failure( write_gltf( &b, &s_folder, faults[i].json ), faults[i].code, faults[i].object );
+        expect_failure( write_gltf( &b, &gltf_folder, faults[i].json ), faults[i].code, faults[i].object );
     }
 }
 #define EXPECT_FAULTS( faults ) expect_faults( faults, sizeof( faults ) / sizeof( faults )[0] )
@@ -88,22 +86,22 @@ TEST( test_faults_of_text )
         { RF_ERROR_FORMAT, "buffers[0]", "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":4}]}" },
     };
     for ( size_t i = 0; i < sizeof s_files / sizeof s_files[0]; ++i )
-        expect_failure( write_bytes( &s_folder, "a.gltf", s_files[i].text, strlen( s_files[i].text ) ), s_files[i].code,
+        expect_failure( write_bytes( &gltf_folder, "a.gltf", s_files[i].text, strlen( s_files[i].text ) ), s_files[i].code,
                         s_files[i].object );
     // deeper than the parser goes
     char deep[8192];
     memset( deep, '[', sizeof deep );
-    expect_failure( write_bytes( &s_folder, "a.gltf", deep, sizeof deep ), RF_ERROR_FORMAT, "depth" );
+    expect_failure( write_bytes( &gltf_folder, "a.gltf", deep, sizeof deep ), RF_ERROR_FORMAT, "depth" );
 }
 
 TEST( test_faults_of_files )
 {
-    expect_failure( folder_file( &s_folder, "absent.gltf" ), RF_ERROR_IO, "absent.gltf" );
-    expect_failure( s_folder.path, RF_ERROR_IO, "folder" );
+    expect_failure( folder_file( &gltf_folder, "absent.gltf" ), RF_ERROR_IO, "absent.gltf" );
+    expect_failure( gltf_folder.path, RF_ERROR_IO, "folder" );
     RfError error;
     uint8_t* bytes;
     size_t size;
-    const char* path = write_bytes( &s_folder, "a.bin", "12345", 5 );
+    const char* path = write_bytes( &gltf_folder, "a.bin", "12345", 5 );
     assert_int_equal( rf_read_file( path, 4, &bytes, &size, &error ), RF_ERROR_UNSUPPORTED );
     assert_int_equal( rf_read_file( path, 5, &bytes, &size, &error ), RF_OK );
     assert_int_equal( size, 5 );
@@ -124,18 +122,18 @@ TEST( test_faults_of_uris )
     {
         GltfBuilder b = make_triangle();
         const char* json = build_gltf_json( &b, s_uris[i], "" );
-        expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_UNSUPPORTED, "buffers[0]" );
+        expect_failure( write_bytes( &gltf_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_UNSUPPORTED, "buffers[0]" );
     }
     static const char* const s_data[] = { "data:text/plain,abc", "data:;base64,AAA*", "data:;base64,AAAAA", "data:x" };
     for ( size_t i = 0; i < sizeof s_data / sizeof s_data[0]; ++i )
     {
         GltfBuilder b = make_triangle();
         const char* json = build_gltf_json( &b, s_data[i], "" );
-        expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_FORMAT, "buffers[0]" );
+        expect_failure( write_bytes( &gltf_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_FORMAT, "buffers[0]" );
     }
     GltfBuilder b = make_triangle();
     const char* json = build_gltf_json( &b, "absent.bin", "" );
-    expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_IO, "absent.bin" );
+    expect_failure( write_bytes( &gltf_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_IO, "absent.bin" );
 }
 
 TEST( test_faults_of_containers )
@@ -144,13 +142,13 @@ TEST( test_faults_of_containers )
     size_t size;
     uint8_t* glb = build_glb( &b, "", &size );
     for ( size_t cut = 4; cut < size; cut += 61 )
-        expect_failure( write_bytes( &s_folder, "a.glb", glb, cut ), RF_ERROR_FORMAT, "GLB header" );
+        expect_failure( write_bytes( &gltf_folder, "a.glb", glb, cut ), RF_ERROR_FORMAT, "GLB header" );
     glb[4] = 1;
-    expect_failure( write_bytes( &s_folder, "a.glb", glb, size ), RF_ERROR_UNSUPPORTED, "version 1" );
+    expect_failure( write_bytes( &gltf_folder, "a.glb", glb, size ), RF_ERROR_UNSUPPORTED, "version 1" );
     glb[4] = 2, glb[15] = 0x7f;
-    expect_failure( write_bytes( &s_folder, "a.glb", glb, size ), RF_ERROR_FORMAT, "GLB chunk 0" );
+    expect_failure( write_bytes( &gltf_folder, "a.glb", glb, size ), RF_ERROR_FORMAT, "GLB chunk 0" );
     glb[15] = 0, glb[16] = 'X';
-    expect_failure( write_bytes( &s_folder, "a.glb", glb, size ), RF_ERROR_FORMAT, "GLB chunk 0" );
+    expect_failure( write_bytes( &gltf_folder, "a.glb", glb, size ), RF_ERROR_FORMAT, "GLB chunk 0" );
     free( glb );
 }
 
@@ -199,7 +197,7 @@ TEST( test_deep_nodes_do_not_overflow )
     for ( int i = 1; i < 5000; ++i )
         at += sprintf( at, ",{\"children\":[%d]}", i - 1 );
     strcpy( at, "]}" );
-    expect_failure( write_bytes( &s_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_UNSUPPORTED, "levels deep" );
+    expect_failure( write_bytes( &gltf_folder, "a.gltf", json, strlen( json ) ), RF_ERROR_UNSUPPORTED, "levels deep" );
     free( json );
 }
 
@@ -229,7 +227,7 @@ static void expect_accessor_fault( GltfBuilder* b, const char* object, const cha
 {
     char rest[256];
     snprintf( rest, sizeof rest, PRIMITIVE( "%s" ), attributes );
-    expect_failure( write_gltf( b, &s_folder, rest ), RF_ERROR_FORMAT, object );
+    expect_failure( write_gltf( b, &gltf_folder, rest ), RF_ERROR_FORMAT, object );
 }
 
 TEST( test_faults_of_accessors )
@@ -334,13 +332,13 @@ TEST( test_faults_of_animations )
         add_gltf_floats( &b, "SCALAR", 1, 3, s_times[i] );
         add_gltf_floats( &b, "VEC3", 3, 3, s_values );
         const char* rest = CHANNEL( "\"input\":0,\"output\":1", "\"node\":0,\"path\":\"scale\"" );
-        expect_failure( write_gltf( &b, &s_folder, rest ), RF_ERROR_FORMAT, "accessors[0]" );
+        expect_failure( write_gltf( &b, &gltf_folder, rest ), RF_ERROR_FORMAT, "accessors[0]" );
         rest = CHANNEL( "\"input\":0,\"output\":1,\"interpolation\":\"CUBICSPLINE\"", "\"node\":0,\"path\":\"scale\"" );
         if ( i == 0 )
         {
             static const float s_good[] = { 0, 1, 2 };
             memcpy( b.bin, s_good, sizeof s_good );
-            expect_failure( write_gltf( &b, &s_folder, rest ), RF_ERROR_FORMAT, "accessors[1] has 3 elements, 9" );
+            expect_failure( write_gltf( &b, &gltf_folder, rest ), RF_ERROR_FORMAT, "accessors[1] has 3 elements, 9" );
         }
     }
 }
@@ -384,7 +382,7 @@ static void run_mutations( const uint8_t* original, size_t size, uint64_t count 
         size_t cut = mutate_bytes( bytes, size, i + 1 );
         RfScene scene;
         RfError error = { 0 };
-        RfResult result = rf_load_gltf( write_bytes( &s_folder, "a.glb", bytes, cut ), &scene, NULL, &error );
+        RfResult result = rf_load_gltf( write_bytes( &gltf_folder, "a.glb", bytes, cut ), &scene, NULL, &error );
         assert_true( result == RF_OK || error.text[0] != 0 );
         loaded += result == RF_OK;
         rf_destroy_scene( &scene );
@@ -400,7 +398,7 @@ TEST( test_mutations_never_crash )
     uint8_t* glb = make_everything( &size );
     RfScene scene;
     RfError error = { 0 };
-    RfResult result = rf_load_gltf( write_bytes( &s_folder, "a.glb", glb, size ), &scene, NULL, &error );
+    RfResult result = rf_load_gltf( write_bytes( &gltf_folder, "a.glb", glb, size ), &scene, NULL, &error );
     assert_string_equal( error.text, "" );
     assert_int_equal( result, RF_OK );
     rf_destroy_scene( &scene );
@@ -409,18 +407,4 @@ TEST( test_mutations_never_crash )
     free( glb );
 }
 
-static int enter( void** state )
-{
-    (void)state;
-    s_folder = make_folder();
-    return 0;
-}
-
-static int leave( void** state )
-{
-    (void)state;
-    remove_folder( &s_folder );
-    return 0;
-}
-
-SHARED_BY_TESTS( enter, leave )
+SHARED_BY_TESTS( gltf_enter, gltf_leave )
