@@ -140,12 +140,13 @@ static int lower_bound( const RfGltf* gltf, RfChangedValue value, int of, int sl
 
 int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int slot, double* still )
 {
-    const RfChange* found = gltf->changes + lower_bound( gltf, value, of, slot );
-    if ( found == gltf->changes + gltf->change_count || found->value != value || found->of != of || found->slot != slot )
+    int at = lower_bound( gltf, value, of, slot );
+    const RfChange* found = at < gltf->change_count ? gltf->changes + at : NULL;
+    if ( found == NULL || found->value != value || found->of != of || found->slot != slot )
         return -1;
     bool frozen = gltf->freeze && group_of( value ) != (int)RF_OF_CAMERA; // cameras never are
     if ( !frozen && rf_channel_varies( &found->channel ) )
-        return (int)( found - gltf->changes );
+        return at;
     double values[4];
     rf_sample_change( found, frozen ? gltf->frozen_at : 0.0, values );
     memcpy( still, values, (size_t)found->channel.components * sizeof *still );
