@@ -1,19 +1,18 @@
 // Opens .gltf and .glb, reads all parts of the document, and moves scenes that lie far from the origin.
 #include "gltf/gltf.h"
+#include "gltf/gltf_material.h"
+#include "gltf/gltf_mesh.h"
 
 #include "base/file.h"
+#include "base/json.h"
 #include "reframe/error.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
-#include "gltf/gltf_material.h"
-#include "gltf/gltf_document.h"
-#include "gltf/gltf_geometry.h"
-#include "scene/shared_json.h"
-#include "base/json.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
+#include "scene/shared_json.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -336,7 +335,6 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     };
     gltf.freeze = options->freeze;
     gltf.options = options;
-    gltf.animation = options->animation;
     scene->path = strdup( path );
     RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
     if ( result == RF_OK && options->survey != NULL )

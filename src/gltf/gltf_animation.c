@@ -549,11 +549,11 @@ static RfResult check_chosen( const RfGltf* gltf )
     int count = gltf->counts[RF_GLTF_ANIMATIONS];
     for ( int i = 0; i < count; ++i )
     {
-        if ( is_called( gltf, i, gltf->animation ) )
+        if ( is_called( gltf, i, gltf->options->animation ) )
             return RF_OK;
     }
     name_animations( gltf, NULL, count, names );
-    return rf_gltf_fail( gltf, RF_ERROR_USAGE, "animations", "none is called '%.80s'%s%s", gltf->animation,
+    return rf_gltf_fail( gltf, RF_ERROR_USAGE, "animations", "none is called '%.80s'%s%s", gltf->options->animation,
                          count > 0 ? ": there are " : ": there are none", names );
 }
 
@@ -627,21 +627,21 @@ static RfResult load_all( RfGltf* gltf, Loader* loader )
     for ( int i = 0; result == RF_OK && gltf->material_edits != NULL && i < gltf->counts[RF_GLTF_MATERIALS]; ++i )
         result = add_given_values( gltf, loader, i );
     int given_changes = gltf->change_count;
-    if ( result == RF_OK && gltf->animation != NULL )
+    if ( result == RF_OK && gltf->options->animation != NULL )
         result = check_chosen( gltf );
-    for ( int i = 0; result == RF_OK && gltf->animation != NULL && i < count; ++i )
+    for ( int i = 0; result == RF_OK && gltf->options->animation != NULL && i < count; ++i )
     {
-        if ( is_called( gltf, i, gltf->animation ) )
+        if ( is_called( gltf, i, gltf->options->animation ) )
             result = load_animation( gltf, loader, i );
     }
     if ( result == RF_OK ) // of the same name
         warn_of_left_out( gltf, loader );
     for ( int i = 0; result == RF_OK && i < count; ++i )
     {
-        if ( gltf->animation == NULL || !is_called( gltf, i, gltf->animation ) )
+        if ( gltf->options->animation == NULL || !is_called( gltf, i, gltf->options->animation ) )
             result = load_animation( gltf, loader, i );
     }
-    if ( result == RF_OK && gltf->animation == NULL )
+    if ( result == RF_OK && gltf->options->animation == NULL )
         warn_of_left_out( gltf, loader );
     if ( result == RF_OK && gltf->options->clock != NULL )
         set_clock( gltf, gltf->scene->channels + given, gltf->scene->channel_count - given, given_changes );

@@ -1,6 +1,6 @@
 // Bakes primitives into lists of triangles: into the world by the matrix of their node, in double, rounded once; or in their own
 // space, for what moves.
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
 
 #include "scene/deformation.h"
 

@@ -47,37 +47,17 @@ static RfResult read_orthographic( const RfField* json, RfCamera* camera )
     return rf_json_result( json );
 }
 
-// The projection of glTF that has this name, or -1.
-static int kind_of( const char* type )
-{
-    for ( int k = 0; k < RF_PROJECTION_COUNT; ++k )
-    {
-        const RfProjectionTraits* traits = rf_projection_traits( (RfProjectionKind)k );
-        if ( traits->in_gltf && strcmp( type, traits->name ) == 0 )
-            return k;
-    }
-    return -1;
-}
-
 static RfResult read_camera( const RfGltf* gltf, int index, RfCamera* camera )
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_CAMERAS, index );
     const char* type = "";
     rf_gltf_require( &json, "type", NULL );
     RfResult result = rf_get_text( &json, "type", &type );
-    if ( result != RF_OK )
-        return result;
-    int kind = kind_of( type );
-    if ( kind < 0 )
+    bool wide = strcmp( type, "perspective" ) == 0;
+    if ( result == RF_OK && !wide && strcmp( type, "orthographic" ) != 0 )
         return rf_field_fail( &json, "type '%.20s' must be perspective or orthographic", type );
-    camera->projection = kind;
-    switch ( (RfProjectionKind)kind )
-    {
-        case RF_PERSPECTIVE: return read_perspective( &json, camera );
-        case RF_ORTHOGRAPHIC: return read_orthographic( &json, camera );
-        case RF_PANORAMIC: break; // glTF has none
-    }
-    return RF_OK;
+    camera->projection = wide ? RF_PERSPECTIVE : RF_ORTHOGRAPHIC;
+    return result != RF_OK ? result : wide ? read_perspective( &json, camera ) : read_orthographic( &json, camera );
 }
 
 // The name of the node, else of the camera, else "camera".

@@ -1,5 +1,5 @@
 // What deforms meshes: morph targets, with their weights where nothing animates them, and skins.
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>

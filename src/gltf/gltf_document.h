@@ -125,7 +125,6 @@ typedef struct RfGltf
     bool freeze;                  // as RfGltfOptions
     double frozen_at;             // seconds, once cameras are read
     const RfGltfOptions* options; // for what is read once
-    const char* animation;        // as there
 
     uint8_t* file;
     size_t file_size;

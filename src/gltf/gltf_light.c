@@ -1,6 +1,5 @@
 // Punctual lights.
 #include "gltf/gltf_material.h"
-#include "gltf/gltf_document.h"
 
 #include "base/file.h"
 #include "base/json.h"

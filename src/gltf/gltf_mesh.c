@@ -1,5 +1,5 @@
 // Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
 
 #include "scene/animation.h"
 #include "scene/camera.h"

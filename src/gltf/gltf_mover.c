@@ -1,6 +1,6 @@
 // What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
 #include "gltf/gltf_material.h"
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
 
 #include "scene/animation.h"
 #include "scene/merge.h"

@@ -1,5 +1,6 @@
 // Nodes: their transforms, their hierarchy, and instances at them.
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
+
 #include "scene/surfaces.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 // Primitives of meshes: triangles, and only the vertices that they use.
-#include "gltf/gltf_geometry.h"
-
+#include "gltf/gltf_mesh.h"
 #include "gltf/gltf_material.h"
+
 #include "scene/merge.h"
 
 #include <math.h>

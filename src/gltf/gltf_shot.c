@@ -7,9 +7,9 @@
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/camera_path/optics.h"
-#include "scene/shared_json.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
+#include "scene/shared_json.h"
 
 #include <math.h>
 #include <stdio.h>

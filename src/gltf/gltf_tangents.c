@@ -5,7 +5,7 @@
 // triangles, projected onto the tangent plane and weighted by the corner's angle. In double,
 // rounded once.
 
-#include "gltf/gltf_geometry.h"
+#include "gltf/gltf_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>

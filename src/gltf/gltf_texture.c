@@ -5,8 +5,8 @@
 #include "base/system.h"
 #include "image/decode.h"
 #include "scene/image_sequence.h"
-#include "scene/shared_json.h"
 #include "scene/movement.h"
+#include "scene/shared_json.h"
 #include "scene/textured.h"
 
 #include <math.h>

@@ -72,15 +72,13 @@ typedef struct Reading
     const RfSceneOptions* options;
     const double* frozen_at; // seconds; NULL: as the glTF's own default camera has its first frame
     RfLog* log;
+    RfFps fps; // that the scene file asks for; 0/0: it does not
 } Reading;
 
-// The frames per second that the scene file asks for, or 24; `given`: it does.
-static RfResult read_fps( const RfField* root, bool* given, RfFps* fps )
+static RfResult read_fps( const RfField* root, RfFps* fps )
 {
     RfField render = rf_field_member( root, "render" ), field = rf_field_member( &render, "fps" );
     char number[40];
-    *given = field.json != NULL;
-    *fps = ( RfFps ){ 24, 1 };
     if ( field.json == NULL )
         return RF_OK;
     const char* text = json_string_value( field.json );
@@ -115,11 +113,17 @@ static RfResult survey( void* user, const json_t* root, RfError* error )
     return rf_find_nodes( &s->objects, root, s->channels, &s->options->channel_count );
 }
 
-// `fps`: 0/0 where the scene file does not say.
-static RfResult load_file( const RfField* root, const Reading* reading, const char* path, RfFps fps, RfScene* scene )
+static RfResult load_gltf( const RfField* root, const Reading* reading, RfScene* scene )
 {
-    bool in_frames = false, given = fps.numerator > 0;
-    RfField environment = rf_field_member( root, "environment" );
+    const char* name = NULL;
+    RfField field = rf_field_member( root, "scene" ), environment = rf_field_member( root, "environment" );
+    bool in_frames = false, given = reading->fps.numerator > 0;
+    RfResult result = rf_field_text( &field, &name );
+    if ( result == RF_OK && rf_ends_with( name, ".json" ) )
+        return rf_field_must_be( &field, "a .glb or .gltf file" );
+    char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
+    if ( path == NULL )
+        return result != RF_OK ? result : rf_field_no_memory( root );
     RfGltfOptions options = { .freeze = reading->options->freeze,
                               .animation = reading->options->animation,
                               .variant = reading->options->variant,
@@ -127,44 +131,26 @@ static RfResult load_file( const RfField* root, const Reading* reading, const ch
                               .lights = rf_field_member( root, "lights" ),
                               .survey = survey,
                               .no_environment = environment.json != NULL && !only_tags( &environment ),
-                              .fps = fps,
+                              .fps = reading->fps,
                               .in_frames = &in_frames,
                               .frozen_at = reading->frozen_at };
-    Survey s = { .list = rf_field_member( root, "objects" ), .fps = fps, .options = &options };
+    Survey s = { .list = rf_field_member( root, "objects" ), .fps = reading->fps, .options = &options };
     options.user = &s;
-    RfResult result = rf_load_gltf_with( path, &options, scene, reading->log, root->error );
+    result = rf_load_gltf_with( path, &options, scene, reading->log, root->error );
+    free( path );
     in_frames = in_frames || s.objects.in_frames;
     if ( result == RF_OK && in_frames && given )
-        scene->fps = fps;
+        scene->fps = reading->fps;
     if ( result == RF_OK && in_frames && scene->key_fps.numerator == 0 ) // else the glTF's environment has some
         scene->key_fps = rf_scene_fps( scene );
     if ( result == RF_OK )
     {
         double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
-        result = rf_place_files( &s.objects, given ? fps : rf_scene_fps( scene ), reading->options->freeze ? &first : NULL, scene,
-                                 reading->log );
+        result = rf_place_files( &s.objects, given ? reading->fps : rf_scene_fps( scene ),
+                                 reading->options->freeze ? &first : NULL, scene, reading->log );
     }
     rf_destroy_objects( &s.objects );
     free( s.channels );
-    return result;
-}
-
-static RfResult load_gltf( const RfField* root, const Reading* reading, RfScene* scene )
-{
-    const char* name = NULL;
-    RfField field = rf_field_member( root, "scene" );
-    RfFps fps;
-    bool given;
-    RfResult result = rf_field_text( &field, &name );
-    if ( result == RF_OK && rf_ends_with( name, ".json" ) )
-        return rf_field_must_be( &field, "a .glb or .gltf file" );
-    if ( result == RF_OK )
-        result = read_fps( root, &given, &fps );
-    char* path = result == RF_OK ? rf_path_beside( root->file, name ) : NULL;
-    if ( path == NULL )
-        return result != RF_OK ? result : rf_field_no_memory( root );
-    result = load_file( root, reading, path, given ? fps : ( RfFps ){ 0, 0 }, scene );
-    free( path );
     return result;
 }
 
@@ -191,24 +177,21 @@ static RfResult tag_environment( const RfField* field, RfScene* scene )
     return rf_tag_light( scene, name, &scene->environment.light_group ) ? RF_OK : rf_field_no_memory( field );
 }
 
-static RfResult load_environment( const RfField* root, RfScene* scene, RfLog* log )
+static RfResult load_environment( const RfField* root, const Reading* reading, RfScene* scene )
 {
     RfField field = rf_field_member( root, "environment" );
     RfEnvironmentText text;
-    RfFps fps;
-    bool given;
-    RfResult result = read_fps( root, &given, &fps );
-    if ( result != RF_OK || field.json == NULL )
-        return result;
+    bool given = reading->fps.numerator > 0;
+    RfFps fps = given ? reading->fps : rf_scene_fps( scene );
+    if ( field.json == NULL )
+        return RF_OK;
     if ( only_tags( &field ) )
         return tag_environment( &field, scene );
-    if ( !given )
-        fps = rf_scene_fps( scene );
-    result = read_environment( &field, fps, &text );
+    RfResult result = read_environment( &field, fps, &text );
     if ( result == RF_OK )
         scene->content_hash = rf_hash_environment( scene->content_hash, &text.environment );
     if ( result == RF_OK )
-        result = rf_give_environment( &field, &text, scene, log );
+        result = rf_give_environment( &field, &text, scene, reading->log );
     if ( result == RF_OK && text.in_frames && scene->key_fps.numerator == 0 )
         scene->key_fps = fps;
     if ( result == RF_OK && text.in_frames && given )
@@ -410,25 +393,23 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
     return RF_OK;
 }
 
-// `moved`: its camera has its first frame at another time than the glTF's own, which is set.
-static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfScene* scene, bool* moved, double* first,
-                          RfError* error )
+// `first`: when the glTF's own camera has its first frame, and when the scene's has.
+static RfResult load_all( const RfSceneFile* file, Reading* reading, RfScene* scene, double first[2], RfError* error )
 {
     RfField root = rf_root_field( &file->document, error ), view = rf_field_member( &root, "view" );
-    RfResult result = load_gltf( &root, reading, scene );
-    *first = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
-    double before = *first;
+    RfResult result = read_fps( &root, &reading->fps );
     if ( result == RF_OK )
-        result = load_environment( &root, scene, reading->log );
+        result = load_gltf( &root, reading, scene );
+    first[0] = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
+    if ( result == RF_OK )
+        result = load_environment( &root, reading, scene );
     if ( result == RF_OK )
         result = load_camera( &root, scene );
     if ( result == RF_OK )
         result = rf_read_view( &view, &scene->view );
     if ( result == RF_OK )
         result = rename_scene( file, scene, error );
-    if ( result == RF_OK )
-        *first = rf_gltf_first_time( scene );
-    *moved = *first != before;
+    first[1] = result == RF_OK ? rf_gltf_first_time( scene ) : 0.0;
     if ( result == RF_OK )
         result = freeze_rest( reading, scene, error );
     if ( result != RF_OK )
@@ -439,19 +420,17 @@ static RfResult load_all( const RfSceneFile* file, const Reading* reading, RfSce
 static RfResult load( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
     RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation, .variant = options->variant };
+    Reading reading = { .options = options, .log = log };
+    double first[2], same[2];
     if ( file->document.root == NULL )
         return rf_load_gltf_with( file->path, &plain, scene, log, error );
     memset( scene, 0, sizeof *scene );
-    bool moved;
-    double first;
-    Reading reading = { .options = options, .log = log };
-    RfResult result = load_all( file, &reading, scene, &moved, &first, error );
-    if ( result != RF_OK || !scene->frozen || !moved )
+    RfResult result = load_all( file, &reading, scene, first, error );
+    if ( result != RF_OK || !scene->frozen || first[0] == first[1] )
         return result;
     rf_destroy_scene( scene );
-    Reading again = { options, &first, NULL };
-    double same;
-    return load_all( file, &again, scene, &moved, &same, error );
+    Reading again = { .options = options, .frozen_at = first + 1 };
+    return load_all( file, &again, scene, same, error );
 }
 
 RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )

@@ -1,6 +1,6 @@
 // From the meshes of a glTF document to the triangles of the scene. Internal to the reader.
-#ifndef REFRAME_GLTF_GLTF_GEOMETRY_H
-#define REFRAME_GLTF_GLTF_GEOMETRY_H
+#ifndef REFRAME_GLTF_GLTF_MESH_H
+#define REFRAME_GLTF_GLTF_MESH_H
 
 #include "scene/deformation.h"
 #include "gltf/gltf_document.h"
