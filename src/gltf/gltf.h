@@ -19,8 +19,9 @@ typedef struct RfGltfOptions
     const char* variant;       // whose materials its primitives have; NULL: their own
     RfField materials, lights; // of a scene file: what it says of them by their names (gltf/gltf_edit.c), in the
                                // place of what the glTF says; without json: nothing
-    RfResult ( *survey )( void* user, const json_t* root, RfError* error ); // sees the document first, and may set
-    void* user;                                                             // `channels`; NULL: nobody does
+    // Is shown the document before it is read, and may set `channels`; NULL: nobody is.
+    RfResult ( *survey )( void* user, const json_t* root, RfError* error );
+    void* user;
     int channel_count;
     const RfChannel* channels; // from elsewhere, in the place of those of the file, and copied; without keys: a value that
                                // stands still
