@@ -242,7 +242,7 @@ def warn_of_view(scene):
 
 
 def view_of(scene):
-    """How pictures are shown (extras that src/scene/json/view_json.c reads); files are scene-linear."""
+    """How pictures are shown (extras that src/scene/shared_json.c reads); files are scene-linear."""
     view = scene.view_settings
     film = math.log2(scene.cycles.film_exposure) if scene.render.engine == "CYCLES" and scene.cycles.film_exposure > 0.0 else 0.0
     return {"transform": view.view_transform, "look": view.look, "exposure": float("%.6g" % (view.exposure + film)),

@@ -1,5 +1,5 @@
 """Films: image sequences and movies as textures. While the exporter works, an image that stands still takes their place in the nodes;
-in the .glb it names a sequence of files (extras that src/scene/gltf/gltf_sequence.c reads).
+in the .glb it names a sequence of files (extras that src/gltf/gltf_texture.c reads).
 """
 import os
 import re

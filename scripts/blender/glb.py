@@ -105,7 +105,7 @@ def add_extensions(gltf, data):
 
 
 def add_shot(gltf, shot):
-    """Size, rate and the camera's path (extras that src/scene/gltf/gltf_shot.c reads)."""
+    """Size, rate and the camera's path (extras that src/gltf/gltf_shot.c reads)."""
     for scene in gltf.get("scenes", []):
         own = scene.setdefault("extras", {}).setdefault("reframe", {})
         own.setdefault("render", shot["render"])

@@ -207,7 +207,7 @@ MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
 
 NO_COAT = {"extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
 
-# Principled's coat takes nothing from the base: src/scene/gltf/gltf_material.c
+# Principled's coat takes nothing from the base: src/gltf/gltf_material.c
 ADDED_COAT = {"reframe": {"coat": "added"}}
 
 patches = {}  # what Blender's exporter cannot write: for glb.finish, by the names of materials

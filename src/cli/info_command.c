@@ -8,8 +8,8 @@
 #include "film/cryptomatte.h"
 #include "light/changing.h"
 #include "reframe/scene.h"
-#include "scene/json/scene_file.h"
 #include "scene/pose.h"
+#include "scene_file/scene_file.h"
 
 #include <limits.h>
 #include <math.h>

@@ -18,7 +18,7 @@
 // The kinds of a light: X( NAME, name, needs light paths ). One more is a row here and its functions in light/kinds.c, whose
 // table has the other half of the name; the compiler then names what lacks it: rf_light_kind below, and the switches of
 // path/direct.c and light_paths/light_paths.c. A punctual one is a value of RfPunctualKind (scene/scene.h) too, and read by
-// scene/gltf/gltf_light.c.
+// gltf/gltf_light.c.
 //
 // A light needs light paths if little else finds its caustics: no ray hits a punctual one, and of the sky light paths carry
 // small bright spots alone, such as the sun.

@@ -2,6 +2,7 @@
 // and the estimator, and the camera's lens and shutter to its path.
 #include "scene/leave_out.h"
 
+#include "scene/merge.h"
 #include "scene/movement.h"
 #include "scene/textured.h"
 
@@ -15,25 +16,8 @@ static const RfVec3 s_black = { 0.0f, 0.0f, 0.0f };
 // Vertices of their own for all triangles, with the normals of these.
 static RfResult make_flat( RfTriangles* t, RfError* error )
 {
-    uint32_t count = 3 * t->count;
-    float** arrays[] = { &t->positions, &t->normals, &t->uvs, &t->uvs1, &t->colors, &t->tangents };
-    const int components[] = { 3, 3, 2, 2, 4, 4 };
-    for ( size_t k = 0; k < sizeof arrays / sizeof arrays[0]; ++k )
-    {
-        size_t n = (size_t)components[k];
-        if ( *arrays[k] == NULL )
-            continue;
-        float* own = malloc( ( (size_t)count * n + 1 ) * sizeof *own );
-        if ( own == NULL )
-            return rf_fail( error, RF_ERROR_MEMORY, "no memory for the vertices of %u triangles", t->count );
-        for ( uint32_t i = 0; i < count; ++i )
-            memcpy( own + i * n, *arrays[k] + t->indices[i] * n, n * sizeof *own );
-        free( *arrays[k] );
-        *arrays[k] = own;
-    }
-    for ( uint32_t i = 0; i < count; ++i )
-        t->indices[i] = i;
-    t->vertex_count = count;
+    if ( !rf_spread_vertices( t ) )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the vertices of %u triangles", t->count );
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const float* p = t->positions + 9 * (size_t)i;

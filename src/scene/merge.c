@@ -16,36 +16,59 @@
 
 #define MOST_TRIANGLES ( 1u << 28 ) // in world space, each with up to three vertices
 
-// Appends an attribute, of `components` numbers, of a mesh to those of the scene; that which only one of them has gets `fill`.
-static bool append_floats( float** to, size_t before, const float* from, size_t more, size_t components, float fill )
+bool rf_append_vertices( RfTriangles* to, const RfTriangles* from )
 {
-    if ( *to == NULL && from == NULL )
-        return true;
-    bool fresh = *to == NULL;
-    float* grown = realloc( *to, ( before + more + 1 ) * components * sizeof *grown );
-    if ( grown == NULL )
-        return false;
-    *to = grown;
-    for ( size_t i = 0; fresh && i < before * components; ++i )
-        grown[i] = fill;
-    for ( size_t i = 0; i < more * components; ++i )
-        grown[before * components + i] = from != NULL ? from[i] : fill;
+    size_t before = to->vertex_count, more = from->vertex_count;
+    for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
+    {
+        const size_t n = g_rf_attributes[a].components;
+        const float* own = *rf_attribute( (RfTriangles*)from, a );
+        float** all = rf_attribute( to, a );
+        bool fresh = *all == NULL;
+        if ( fresh && own == NULL )
+            continue;
+        float* grown = realloc( *all, ( before + more + 1 ) * n * sizeof *grown );
+        if ( grown == NULL )
+            return false;
+        *all = grown;
+        for ( size_t i = fresh ? 0 : n * before; i < n * ( before + more ); ++i )
+            grown[i] = i >= n * before && own != NULL ? own[i - n * before] : g_rf_attributes[a].fill;
+    }
+    to->vertex_count += from->vertex_count;
+    return true;
+}
+
+bool rf_spread_vertices( RfTriangles* t )
+{
+    size_t corners = 3 * (size_t)t->count;
+    for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
+    {
+        const size_t n = g_rf_attributes[a].components;
+        float** values = rf_attribute( t, a );
+        if ( *values == NULL )
+            continue;
+        float* own = malloc( ( corners * n + 1 ) * sizeof *own );
+        if ( own == NULL )
+            return false;
+        for ( size_t i = 0; i < corners; ++i )
+            memcpy( own + n * i, *values + n * t->indices[i], n * sizeof *own );
+        free( *values );
+        *values = own;
+    }
+    for ( size_t i = 0; i < corners; ++i )
+        t->indices[i] = (uint32_t)i;
+    t->vertex_count = (uint32_t)corners;
     return true;
 }
 
 bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material )
 {
-    size_t before = to->vertex_count, more = from->vertex_count, all = (size_t)to->count + from->count;
+    size_t before = to->vertex_count, all = (size_t)to->count + from->count;
     uint32_t* indices = realloc( to->indices, ( 3 * all + 1 ) * sizeof *indices );
     to->indices = indices != NULL ? indices : to->indices;
     uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
     to->material = material != NULL ? material : to->material;
-    if ( indices == NULL || material == NULL || !append_floats( &to->positions, before, from->positions, more, 3, 0.0f ) ||
-         !append_floats( &to->normals, before, from->normals, more, 3, 0.0f ) ||
-         !append_floats( &to->uvs, before, from->uvs, more, 2, 0.0f ) ||
-         !append_floats( &to->uvs1, before, from->uvs1, more, 2, 0.0f ) ||
-         !append_floats( &to->colors, before, from->colors, more, 4, 1.0f ) ||
-         !append_floats( &to->tangents, before, from->tangents, more, 4, 0.0f ) )
+    if ( indices == NULL || material == NULL || !rf_append_vertices( to, from ) )
         return false;
     for ( size_t i = 0; i < from->count; ++i )
     {
@@ -56,7 +79,6 @@ bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t fir
             indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
         material[to->count++] = first_material + from->material[i];
     }
-    to->vertex_count += from->vertex_count;
     return true;
 }
 

@@ -4,6 +4,12 @@
 
 #include "scene/scene.h"
 
+// Appends vertices. Attributes that only one of the lists has are filled in. False if there is no memory.
+bool rf_append_vertices( RfTriangles* to, const RfTriangles* from );
+
+// Gives each triangle vertices of its own. False if there is no memory: the triangles are to be destroyed.
+bool rf_spread_vertices( RfTriangles* t );
+
 // Appends triangles, whose materials become those from `first_material` on; without those that have collapsed to two equal
 // corners. Attributes that only one of the lists has are filled in. False if there is no memory: `to` is to be destroyed.
 bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material );

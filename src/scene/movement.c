@@ -87,9 +87,9 @@ static const RfChangedTraits s_traits[RF_CHANGED_COUNT] = {
     [RF_CHANGED_TEXTURE_OFFSET] = { "offset", TEXTURE( 0 ), NULL, 2, -1e6, 1e6, MOVES | LIMIT, NULL, SAME },
     [RF_CHANGED_TEXTURE_ROTATION] = { "rotation", TEXTURE( 2 ), NULL, 1, -ANY, ANY, MOVES, NULL, SAME },
     [RF_CHANGED_TEXTURE_SCALE] = { "scale", TEXTURE( 3 ), NULL, 2, -1e6, 1e6, MOVES | LIMIT, NULL, SAME },
-    [RF_CHANGED_SKY_STRENGTH] = { "strength", RF_OF_SKY, 0, NULL, 1, 0, ANY, 0, "strength", SAME },
-    [RF_CHANGED_SKY_RADIANCE] = { "radiance", RF_OF_SKY, 0, NULL, 3, 0, ANY, 0, "radiance", SAME },
-    [RF_CHANGED_SKY_ROTATION] = { "rotation", RF_OF_SKY, 0, NULL, 1, -ANY, ANY, 0, "rotation", SAME },
+    [RF_CHANGED_SKY_STRENGTH] = { "strength", RF_OF_SKY, 0, NULL, 1, 0, ANY, 0, "strength", 0, 1e15 },
+    [RF_CHANGED_SKY_RADIANCE] = { "radiance", RF_OF_SKY, 0, NULL, 3, 0, ANY, 0, "radiance", 0, 1e15 },
+    [RF_CHANGED_SKY_ROTATION] = { "rotation", RF_OF_SKY, 0, NULL, 1, -ANY, ANY, RF_VALUE_DEGREES, "rotation", -1e6, 1e6 },
     [RF_CHANGED_YFOV] = { "yfov", RF_OF_CAMERA, 0, "perspective", 1, 0, PI, MOVES | ABOVE, "field of view", SAME },
     [RF_CHANGED_YMAG] = { "ymag", RF_OF_CAMERA, 0, "orthographic", 1, 0, 1e12, MOVES | ABOVE, "field of view", SAME },
 };

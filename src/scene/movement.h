@@ -117,12 +117,13 @@ static inline RfVec3 rf_emission_of( const RfMaterialValues* m )
 
 enum
 {
-    RF_VALUE_ABOVE = 1,    // `low` itself is excluded
-    RF_VALUE_LIMITED = 2,  // `high` is a limit of this program
-    RF_VALUE_ANIMATED = 4, // KHR_animation_pointer changes it
-    RF_VALUE_IN_FILE = 8,  // scene files override it
-    RF_VALUE_KEYED = 16,   // and give it keys
-    RF_VALUE_OF_MODEL = 32 // it is of glTF's own scattering model
+    RF_VALUE_ABOVE = 1,     // `low` itself is excluded
+    RF_VALUE_LIMITED = 2,   // `high` is a limit of this program
+    RF_VALUE_ANIMATED = 4,  // KHR_animation_pointer changes it
+    RF_VALUE_IN_FILE = 8,   // scene files override it
+    RF_VALUE_KEYED = 16,    // and give it keys
+    RF_VALUE_OF_MODEL = 32, // it is of glTF's own scattering model
+    RF_VALUE_DEGREES = 64   // scene files have it in degrees
 };
 
 // All there is to know of a value, for the reader of glTF, scene files, animations and poses.

@@ -73,14 +73,19 @@ bool rf_note_unrendered( RfScene* scene, const char* what, const char* why )
     return entry.what != NULL && entry.why != NULL;
 }
 
+const RfAttributeTraits g_rf_attributes[RF_ATTRIBUTE_COUNT] = {
+    [RF_POSITION] = { offsetof( RfTriangles, positions ), 3, 0.0f },
+    [RF_NORMAL] = { offsetof( RfTriangles, normals ), 3, 0.0f },
+    [RF_UV] = { offsetof( RfTriangles, uvs ), 2, 0.0f },
+    [RF_UV1] = { offsetof( RfTriangles, uvs1 ), 2, 0.0f },
+    [RF_COLOR] = { offsetof( RfTriangles, colors ), 4, 1.0f },
+    [RF_TANGENT] = { offsetof( RfTriangles, tangents ), 4, 0.0f },
+};
+
 void rf_destroy_triangles( RfTriangles* triangles )
 {
-    free( triangles->positions );
-    free( triangles->normals );
-    free( triangles->uvs );
-    free( triangles->uvs1 );
-    free( triangles->colors );
-    free( triangles->tangents );
+    for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
+        free( *rf_attribute( triangles, a ) );
     free( triangles->indices );
     free( triangles->material );
     memset( triangles, 0, sizeof *triangles );

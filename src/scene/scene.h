@@ -35,6 +35,32 @@ typedef struct RfTriangles
     uint32_t* material; // count
 } RfTriangles;
 
+// The attributes of vertices, in the order of their members.
+typedef enum RfAttribute
+{
+    RF_POSITION,
+    RF_NORMAL,
+    RF_UV,
+    RF_UV1,
+    RF_COLOR,
+    RF_TANGENT,
+    RF_ATTRIBUTE_COUNT
+} RfAttribute;
+
+typedef struct RfAttributeTraits
+{
+    size_t offset;
+    size_t components;
+    float fill; // of vertices without it, where others have it
+} RfAttributeTraits;
+
+extern const RfAttributeTraits g_rf_attributes[RF_ATTRIBUTE_COUNT];
+
+static inline float** rf_attribute( RfTriangles* t, int attribute )
+{
+    return (float**)(void*)( (char*)t + g_rf_attributes[attribute].offset );
+}
+
 struct RfDeformation;
 
 // A mesh in its own space, which placements put into the world.
@@ -253,7 +279,7 @@ struct RfScene
     char* path;            // the file it was loaded from
     uint64_t content_hash; // of the bytes of the file and its buffers, for --resume
     double origin[3];      // all positions are relative to it, in floats; 0 unless the scene lies far out
-                           // (scene/gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
+                           // (gltf/gltf.c). Nodes, channels and camera tracks are not: eyes are
     // Triangle numbers name surfaces everywhere: those below triangles.count are these, the others those of placements
     // (scene/placement.h).
     RfTriangles triangles;

@@ -1,38 +1,10 @@
 // What the library reports of a scene (reframe/scene.h).
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
-#include "scene/json/scene_file.h"
 #include "scene/projection.h"
 #include "scene/scene.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-
-RfResult rf_open_scene( const char* path, RfScene** scene, RfLog* log, RfError* error )
-{
-    return rf_open_scene_with( path, &( RfSceneOptions ){ 0 }, scene, log, error );
-}
-
-RfResult rf_open_scene_with( const char* path, const RfSceneOptions* options, RfScene** scene, RfLog* log, RfError* error )
-{
-    *scene = calloc( 1, sizeof **scene );
-    if ( *scene == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
-    RfResult result = rf_load_scene_with( path, options, *scene, log, error );
-    if ( result != RF_OK )
-    {
-        rf_close_scene( *scene );
-        *scene = NULL;
-    }
-    return result;
-}
-
-void rf_close_scene( RfScene* scene )
-{
-    if ( scene != NULL )
-        rf_destroy_scene( scene );
-    free( scene );
-}
 
 RfResult rf_check_rendered( const RfScene* scene, RfError* error )
 {

@@ -3,12 +3,12 @@
 // Usage: bench_lights [--quick] [SCENE.glb]. Without a scene: halls of 10 to
 // 10,000 lamps of the same total power.
 #include "base/random.h"
-#include "measure/image_error.h"
-#include "support/render_support.h"
-#include "scene/camera.h"
-#include "scene/json/scene_file.h"
-#include "support/scene_builder.h"
 #include "light/light.h"
+#include "measure/image_error.h"
+#include "scene/camera.h"
+#include "scene_file/scene_file.h"
+#include "support/render_support.h"
+#include "support/scene_builder.h"
 #include "trace/trace.h"
 
 #include <stdio.h>

@@ -3,10 +3,10 @@
 #include "support/blender_run.h"
 #include "support/test.h"
 
+#include "gltf/gltf.h"
 #include "light/sky.h"
 #include "reframe/image.h"
 #include "scene/camera.h"
-#include "scene/gltf/gltf.h"
 
 #include <math.h>
 #include <stdio.h>

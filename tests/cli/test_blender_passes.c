@@ -5,7 +5,7 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/light_groups.h"
 #include "scene/surfaces.h"
 

@@ -1,7 +1,7 @@
 // What scripts/blender/export.py makes of lamps that shine to each side otherwise: IES files, whose candela Cycles takes at the angles of
 // the file, and spots, by its formulas. Skipped where Blender or its numpy is missing.
+#include "gltf/gltf.h"
 #include "light/punctual.h"
-#include "scene/gltf/gltf.h"
 #include "support/blender_run.h"
 #include "support/test.h"
 

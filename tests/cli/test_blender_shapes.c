@@ -4,8 +4,8 @@
 #include "support/test.h"
 
 #include "base/file.h"
+#include "gltf/gltf.h"
 #include "scene/deformation.h"
-#include "scene/gltf/gltf.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 

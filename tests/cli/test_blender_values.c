@@ -4,8 +4,8 @@
 #include "support/blender_run.h"
 #include "support/test.h"
 
+#include "gltf/gltf.h"
 #include "reframe/image.h"
-#include "scene/gltf/gltf.h"
 #include "scene/pose.h"
 #include "scene/textured.h"
 

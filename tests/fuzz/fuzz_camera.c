@@ -2,7 +2,7 @@
 #include "fuzz/fuzz.h"
 
 #include "reframe/camera.h"
-#include "scene/json/scene_file.h"
+#include "scene_file/scene_file.h"
 
 #include <math.h>
 #include <string.h>

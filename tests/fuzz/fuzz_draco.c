@@ -1,6 +1,6 @@
 // A stream of Draco as the mesh of a .glb.
 #include "fuzz/fuzz.h"
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 // glTF as .glb and as .gltf, the scene's path by its cameras, and the tracer's view of it.
 #include "fuzz/fuzz.h"
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 

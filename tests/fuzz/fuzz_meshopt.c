@@ -1,6 +1,6 @@
 // A view of meshoptimizer in a .glb: four bytes say mode, filter, stride and count, the others are the stream.
 #include "fuzz/fuzz.h"
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 
 #include <stdio.h>
 #include <string.h>

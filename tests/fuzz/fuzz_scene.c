@@ -3,9 +3,9 @@
 
 #include "cli/options/render_options.h"
 #include "reframe/camera.h"
-#include "scene/json/scene_file.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
+#include "scene_file/scene_file.h"
 
 #include <string.h>
 

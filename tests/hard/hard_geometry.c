@@ -192,7 +192,7 @@ const HardCase g_hard_geometry[] = {
     { "scale-1e-12", "a scene scaled by 1e-12", "products of four lengths below floats", HARD_DOUBLE, 1.5, scale_m12, NULL },
     { "scale-1e12", "a scene scaled by 1e12", "products of four lengths beyond floats", HARD_DOUBLE, 1.5, scale_p12, NULL },
     { "moved-1e6", "a scene of 3e4 m, moved by 1e6 m along each axis",
-      "rounding of coordinates: 0.06 m; files that lie far out are moved back (tests/scene/gltf/test_gltf_origin.c)", HARD_DOUBLE,
+      "rounding of coordinates: 0.06 m; files that lie far out are moved back (tests/gltf/test_gltf_origin.c)", HARD_DOUBLE,
       1.5, moved, NULL },
     { "degenerate", "triangles without area, needles down to nothing", "normals 0/0", HARD_DOUBLE, 1.5, degenerate, NULL },
     { "duplicates", "a block four times in one place", "rays that find themselves again", HARD_DOUBLE, 1.5, duplicates, NULL },

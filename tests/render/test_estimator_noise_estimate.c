@@ -5,9 +5,9 @@
 // it is reported as a lower bound, the relMSE is above. A lamp inside glass gives lower bounds while there are few samples.
 // With REFRAME_LONG all twelve rooms, more settings and seeds.
 #include "measure/image_error.h"
-#include "support/render_support.h"
 #include "scene/camera.h"
-#include "scene/json/scene_file.h"
+#include "scene_file/scene_file.h"
+#include "support/render_support.h"
 #include "support/statistics.h"
 #include "support/test.h"
 

@@ -5,8 +5,8 @@
 #include "support/blender_run.h"
 #include "support/test.h"
 
+#include "gltf/gltf.h"
 #include "reframe/image.h"
-#include "scene/gltf/gltf.h"
 #include "scene/scene.h"
 
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "support/moving_rooms.h"
 
+#include "gltf/gltf.h"
 #include "reframe/camera.h"
-#include "scene/gltf/gltf.h"
 
 #include <stdio.h>
 #include <stdlib.h>

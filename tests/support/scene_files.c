@@ -1,6 +1,6 @@
 #include "support/scene_files.h"
 
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 #include "scene/placement.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"

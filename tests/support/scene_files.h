@@ -6,9 +6,9 @@
 
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
-#include "scene/json/scene_file.h"
 #include "scene/pose.h"
 #include "scene/scene.h"
+#include "scene_file/scene_file.h"
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -9,7 +9,7 @@
 #include "reframe/camera.h"
 #include "reframe/error.h"
 #include "reframe/plan.h"
-#include "scene/json/scene_file.h"
+#include "scene_file/scene_file.h"
 
 #include <ctype.h>
 #include <dirent.h>

@@ -3,9 +3,9 @@
 #define REFRAME_CLI_OPTIONS_FRAME_LISTS_H
 
 #include "reframe/camera.h"
-#include "scene/json/scene_file.h"
 #include "reframe/error.h"
 #include "reframe/plan.h"
+#include "scene_file/scene_file.h"
 
 #include <stdbool.h>
 #include <stddef.h>

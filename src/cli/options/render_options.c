@@ -12,8 +12,8 @@
 #include "reframe/effects.h"
 #include "reframe/render.h"
 #include "render/estimator.h"
-#include "scene/json/scene_file.h"
 #include "scene/light_groups.h"
+#include "scene_file/scene_file.h"
 
 #include <math.h>
 #include <stdlib.h>

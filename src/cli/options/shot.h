@@ -6,7 +6,7 @@
 #include "cli/options/render_options.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
-#include "scene/json/scene_file.h"
+#include "scene_file/scene_file.h"
 
 typedef struct RfLoadedShot
 {

@@ -22,9 +22,9 @@
 #include "reframe/render.h"
 #include "render/estimator.h"
 #include "render/settings.h"
-#include "scene/json/scene_file.h"
 #include "scene/placement.h"
 #include "scene/scene.h"
+#include "scene_file/scene_file.h"
 #include "trace/trace.h"
 
 #include <jansson.h>

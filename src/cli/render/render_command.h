@@ -2,17 +2,17 @@
 #ifndef REFRAME_CLI_RENDER_RENDER_COMMAND_H
 #define REFRAME_CLI_RENDER_RENDER_COMMAND_H
 
-#include "reframe/render.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/render/films_file.h"
 #include "cli/render/preview_output.h"
 #include "cli/render/progress.h"
-#include "reframe/output.h"
-#include "reframe/plan.h"
-#include "scene/json/scene_file.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
+#include "reframe/output.h"
+#include "reframe/plan.h"
+#include "reframe/render.h"
+#include "scene_file/scene_file.h"
 
 #include <jansson.h>
 #include <pthread.h>

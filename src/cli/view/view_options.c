@@ -13,7 +13,7 @@ static void read_text( const char* path, RfKey key, char text[RF_VIEW_NAME_SIZE]
         text[0] = '\0';
 }
 
-// What no scene may ask for (scene/json/view_json.h) is not taken from a header either.
+// What no scene may ask for (scene/shared_json.h) is not taken from a header either.
 static double read_number( const char* path, RfKey key, double least, double most, double otherwise )
 {
     double number = rf_read_exr_number( path, rf_key_name( key ) );

@@ -4,7 +4,7 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include "scene/gltf/gltf.h"
+#include "gltf/gltf.h"
 
 #include <math.h>
 #include <stdint.h>

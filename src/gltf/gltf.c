@@ -1,0 +1,374 @@
+// Opens .gltf and .glb, reads all parts of the document, and moves scenes that lie far from the origin.
+#include "gltf/gltf.h"
+#include "gltf/gltf_material.h"
+#include "gltf/gltf_mesh.h"
+
+#include "base/file.h"
+#include "base/json.h"
+#include "reframe/error.h"
+#include "scene/animation.h"
+#include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
+#include "scene/movement.h"
+#include "scene/placement.h"
+#include "scene/pose.h"
+#include "scene/shared_json.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Views into the bytes of the file.
+typedef struct RfGlb
+{
+    const uint8_t* json;
+    size_t json_size;
+    const uint8_t* bin; // NULL: none
+    size_t bin_size;
+} RfGlb;
+
+// The GLB container of glTF: a header, a JSON chunk, a binary chunk.
+
+#define MAGIC "glTF"
+#define CHUNK_JSON 0x4e4f534au
+#define CHUNK_BIN 0x004e4942u
+#define HEADER_SIZE 12
+#define CHUNK_HEADER_SIZE 8
+
+static uint32_t read_u32( const uint8_t* at )
+{
+    return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+// True if the bytes begin with the GLB header; the file name does not matter.
+static bool is_glb( const uint8_t* bytes, size_t size ) { return size >= 4 && memcmp( bytes, MAGIC, 4 ) == 0; }
+
+static RfResult check_header( const char* path, const uint8_t* bytes, size_t size, RfError* error )
+{
+    if ( size < HEADER_SIZE )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB header: the file ends inside it: copy or export it again", path );
+    uint32_t version = read_u32( bytes + 4 );
+    if ( version != 2 )
+        return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: GLB header: version %u, not 2: export it as glTF 2.0", path, version );
+    uint32_t length = read_u32( bytes + 8 );
+    if ( length != size )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB header: says %u bytes, the file has %zu: copy or export it again", path,
+                        length, size );
+    return RF_OK;
+}
+
+// Finds the chunks. `path` is only for messages.
+static RfResult split_glb( const char* path, const uint8_t* bytes, size_t size, RfGlb* glb, RfError* error )
+{
+    *glb = ( RfGlb ){ 0 };
+    RfResult result = check_header( path, bytes, size, error );
+    if ( result != RF_OK )
+        return result;
+
+    size_t at = HEADER_SIZE;
+    for ( int chunk = 0; at < size; ++chunk )
+    {
+        if ( size - at < CHUNK_HEADER_SIZE )
+            return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB chunk %d: the file ends inside its header: export it again", path,
+                            chunk );
+        uint32_t length = read_u32( bytes + at ), type = read_u32( bytes + at + 4 );
+        at += CHUNK_HEADER_SIZE;
+        if ( length > size - at )
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%s: GLB chunk %d: says %u bytes, %zu are left in the file: copy or export it again", path, chunk,
+                            length, size - at );
+        if ( ( chunk == 0 ) != ( type == CHUNK_JSON ) )
+            return rf_fail( error, RF_ERROR_FORMAT,
+                            "%s: GLB chunk %d: the first chunk, and no other, must be JSON: export it again", path, chunk );
+        if ( chunk == 0 )
+        {
+            glb->json = bytes + at;
+            glb->json_size = length;
+        }
+        else if ( chunk == 1 && type == CHUNK_BIN )
+        {
+            glb->bin = bytes + at;
+            glb->bin_size = length;
+        }
+        // other chunks belong to extensions and are skipped, as the specification requires
+        at += length;
+    }
+    if ( glb->json == NULL )
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: GLB: has no JSON chunk: export it again", path );
+    return RF_OK;
+}
+
+// Where a scene that lies far from the origin is moved to, so that floats can resolve its details. At
+// 100 km they are 8 mm apart.
+
+#define SAMPLES 1024 // corners of triangles, evenly spread over the list
+
+// As far out as this, in distances of the median corner from the middle.
+#define FAR_OUT 16.0
+
+static int compare( const void* a, const void* b )
+{
+    double x = *(const double*)a, y = *(const double*)b;
+    return ( x > y ) - ( x < y );
+}
+
+static double median( double* values, size_t count )
+{
+    qsort( values, count, sizeof *values, compare );
+    return values[count / 2];
+}
+
+// Triangles of what stands still: they have the first numbers.
+static uint32_t still_triangles( const RfScene* scene )
+{
+    bool moves = scene->still_placement_count < scene->placement_count;
+    return moves ? scene->placements[scene->still_placement_count].first : rf_triangle_count( scene );
+}
+
+static size_t sample_corners( const RfScene* scene, double corners[3][SAMPLES] )
+{
+    size_t all = 3 * (size_t)still_triangles( scene ), step = all / SAMPLES + 1, count = 0;
+    for ( size_t i = 0; i < all; i += step, ++count )
+    {
+        RfVec3 p = rf_triangle_corner( scene, (uint32_t)( i / 3 ), (int)( i % 3 ) );
+        corners[0][count] = (double)p.x;
+        corners[1][count] = (double)p.y;
+        corners[2][count] = (double)p.z;
+    }
+    return count;
+}
+
+// Where everything moves: the corners of its bounds, as it starts.
+static size_t sample_movers( const RfScene* scene, double corners[3][SAMPLES] )
+{
+    size_t count = 0;
+    RfPosedScene pose = { 0 };
+    if ( scene->movement == NULL || rf_pose_scene( scene, scene->movement->start, &pose, NULL ) != RF_OK )
+        pose.scene.placement_count = 0;
+    for ( int i = 0; i < pose.scene.placement_count && count + 2 <= SAMPLES; ++i )
+    {
+        const RfPlacement* placement = pose.scene.placements + i;
+        const RfMesh* mesh = pose.scene.meshes + placement->mesh;
+        const RfVec3 bounds[2] = { mesh->bounds_min, mesh->bounds_max };
+        for ( int k = 0; k < 2 && placement->shown; ++k, ++count )
+        {
+            double local[3] = { (double)bounds[k].x, (double)bounds[k].y, (double)bounds[k].z }, at[3];
+            rf_mat4_apply( &placement->matrix, local, 1.0, at );
+            for ( int c = 0; c < 3; ++c )
+                corners[c][count] = at[c];
+        }
+    }
+    rf_destroy_pose( &pose );
+    return count;
+}
+
+// Whether the camera that is rendered by default starts nearer to the middle than to where the origin is.
+static bool eye_agrees( const RfScene* scene, const double middle[3] )
+{
+    int index;
+    if ( rf_find_camera( scene, NULL, &index, NULL ) != RF_OK || scene->cameras[index].node < 0 )
+        return true;
+    RfMat4 world;
+    rf_node_world_matrix( scene, scene->cameras[index].node, scene->cameras[index].start, &world );
+    double before = 0.0, after = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        before = fmax( before, fabs( world.m[12 + c] ) );
+        after = fmax( after, fabs( world.m[12 + c] - middle[c] ) );
+    }
+    return after < before;
+}
+
+// True if the scene lies so far out that it is to be loaded around another origin, which is set.
+static bool find_origin( const RfScene* scene, double origin[3] )
+{
+    double corners[3][SAMPLES], sorted[SAMPLES], middle[3], distance[SAMPLES], out = 0.0;
+    size_t count = still_triangles( scene ) > 0 ? sample_corners( scene, corners ) : sample_movers( scene, corners );
+    if ( count == 0 )
+        return false;
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( sorted, corners[c], count * sizeof *sorted );
+        middle[c] = median( sorted, count );
+        out = fmax( out, fabs( middle[c] ) );
+    }
+    for ( size_t i = 0; i < count; ++i )
+        distance[i] = fmax( fabs( corners[0][i] - middle[0] ),
+                            fmax( fabs( corners[1][i] - middle[1] ), fabs( corners[2][i] - middle[2] ) ) );
+    double size = median( distance, count );
+    if ( !( size > 0.0 && out > FAR_OUT * size && eye_agrees( scene, middle ) ) )
+        return false;
+    // to a multiple of a power of two, so that round numbers stay round
+    double unit = exp2( ceil( log2( 8.0 * size ) ) );
+    for ( int c = 0; c < 3; ++c )
+        origin[c] = unit * round( middle[c] / unit );
+    return true;
+}
+
+#define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
+
+// The parser needs about twenty times the size of the text.
+#define MAX_JSON_BYTES ( (size_t)1 << 29 )
+
+static RfResult parse( RfGltf* gltf, const char* text, size_t size )
+{
+    if ( size > MAX_JSON_BYTES )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "document",
+                             "%zu bytes of JSON are too many, the limit is %zu: put buffers into a .glb or .bin", size,
+                             MAX_JSON_BYTES );
+    return rf_parse_json( gltf->path, text, size, "not valid glTF JSON, export the scene as .glb or .gltf",
+                          "document: ", &gltf->root, gltf->error );
+}
+
+static RfResult open_document( RfGltf* gltf )
+{
+    RfResult result = rf_read_file( gltf->path, MAX_FILE_BYTES, &gltf->file, &gltf->file_size, gltf->error );
+    if ( result != RF_OK )
+        return result;
+    gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
+    result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
+    if ( result != RF_OK )
+        return result;
+    if ( is_glb( gltf->file, gltf->file_size ) == false )
+        return parse( gltf, (const char*)gltf->file, gltf->file_size );
+
+    RfGlb glb;
+    result = split_glb( gltf->path, gltf->file, gltf->file_size, &glb, gltf->error );
+    if ( result != RF_OK )
+        return result;
+    gltf->bin = glb.bin;
+    gltf->bin_size = glb.bin_size;
+    return parse( gltf, (const char*)glb.json, glb.json_size );
+}
+
+// True for "2." followed by digits.
+static bool is_version_2( const char* version )
+{
+    return strncmp( version, "2.", 2 ) == 0 && version[2] != 0 && strspn( version + 2, "0123456789" ) == strlen( version + 2 );
+}
+
+static RfResult check_asset( RfGltf* gltf )
+{
+    const char *version = "", *least = "2.0";
+    RfField root = rf_gltf_root( gltf );
+    rf_gltf_require( &root, "asset", NULL );
+    rf_get_object( &root, "asset" ); // or fails
+    RfField asset = rf_gltf_field( gltf, "asset", json_object_get( gltf->root, "asset" ) );
+    rf_gltf_require( &asset, "version", NULL );
+    rf_get_text( &asset, "version", &version );
+    RfResult result = rf_get_text( &asset, "minVersion", &least );
+    if ( result != RF_OK )
+        return result;
+    if ( is_version_2( version ) == false || strcmp( least, "2.0" ) != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "asset",
+                             "is glTF %.20s and needs a reader of %.20s or later: export it as glTF 2.0", version, least );
+    return RF_OK;
+}
+
+double rf_gltf_first_time( const RfScene* scene )
+{
+    int index;
+    const RfCamera* camera = rf_find_camera( scene, NULL, &index, NULL ) == RF_OK ? scene->cameras + index : NULL;
+    RfFps fps = rf_scene_fps( scene );
+    bool counts = camera != NULL && camera->track != NULL && camera->track->in_frames;
+    return counts ? camera->start * (double)fps.denominator / (double)fps.numerator : 0.0;
+}
+
+static RfResult create_accessors( RfGltf* gltf )
+{
+    gltf->accessor_count = gltf->counts[RF_GLTF_ACCESSORS];
+    gltf->accessors = calloc( (size_t)gltf->accessor_count + rf_gltf_count_packed( gltf ) + 1, sizeof *gltf->accessors );
+    return gltf->accessors != NULL ? RF_OK : rf_gltf_no_memory( gltf, "accessors" );
+}
+
+// What is frozen is as the default camera sees it first.
+static RfResult choose_time( RfGltf* gltf )
+{
+    gltf->frozen_at = gltf->options->frozen_at != NULL ? *gltf->options->frozen_at : rf_gltf_first_time( gltf->scene );
+    return gltf->freeze ? rf_freeze_environment( gltf->scene, gltf->frozen_at, gltf->error ) : RF_OK;
+}
+
+static RfResult read_document( RfGltf* gltf )
+{
+    static RfResult ( *const s_steps[] )( RfGltf * gltf ) = {
+        check_asset,         rf_gltf_check_required, rf_gltf_open_lists,         rf_gltf_choose_variant,  rf_gltf_open_edits,
+        create_accessors,    rf_gltf_load_buffers,   rf_gltf_load_nodes,         rf_gltf_load_animations, rf_gltf_load_cameras,
+        rf_gltf_load_extras, // with the frames per second
+        choose_time,         rf_gltf_load_materials, rf_gltf_split_light_groups, rf_gltf_load_lights,     rf_gltf_load_meshes,
+        rf_gltf_load_images, rf_gltf_list_moving,    rf_gltf_notice_unread,
+    };
+    RfResult result = RF_OK;
+    for ( size_t i = 0; result == RF_OK && i < sizeof s_steps / sizeof s_steps[0]; ++i )
+        result = s_steps[i]( gltf );
+    return result;
+}
+
+static void close_document( RfGltf* gltf )
+{
+    rf_gltf_free_unpacked( gltf );
+    rf_gltf_free_buffers( gltf );
+    json_decref( gltf->root );
+    free( gltf->file );
+    free( gltf->accessors );
+    free( gltf->nodes );
+    free( gltf->order );
+    free( gltf->remap );
+    free( gltf->remap_stamp );
+    free( gltf->uses );
+    free( gltf->material_edits );
+    free( gltf->light_edits );
+    free( gltf->films );
+    rf_gltf_free_split( gltf );
+    rf_gltf_free_changes( gltf );
+}
+
+static RfResult load_around( const double origin[3], const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log,
+                             RfError* error )
+{
+    memset( scene, 0, sizeof *scene );
+    memcpy( scene->origin, origin, sizeof scene->origin );
+    RfGltf gltf = {
+        .path = path, .scene = scene, .log = log, .error = rf_begin_reading( error ), .default_material = -1, .variant = -1
+    };
+    gltf.freeze = options->freeze;
+    gltf.options = options;
+    scene->path = strdup( path );
+    RfResult result = scene->path != NULL ? open_document( &gltf ) : rf_gltf_no_memory( &gltf, "document" );
+    if ( result == RF_OK && options->survey != NULL )
+        result = options->survey( options->user, gltf.root, gltf.error );
+    if ( result == RF_OK && options->animation != NULL )
+        scene->content_hash = rf_hash_bytes( scene->content_hash, options->animation, strlen( options->animation ) );
+    if ( result == RF_OK && options->variant != NULL )
+    {
+        scene->content_hash = rf_hash_bytes( scene->content_hash, "variant", 8 );
+        scene->content_hash = rf_hash_bytes( scene->content_hash, options->variant, strlen( options->variant ) );
+    }
+    if ( result == RF_OK )
+        result = read_document( &gltf );
+    close_document( &gltf );
+    if ( result != RF_OK )
+        rf_destroy_scene( scene );
+    return result;
+}
+
+// A scene that lies far out is loaded a second time, around its middle: rounded to floats only then.
+RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log, RfError* error )
+{
+    double origin[3] = { 0 };
+    if ( options->origin != NULL )
+        memcpy( origin, options->origin, sizeof origin );
+    RfResult result = load_around( origin, path, options, scene, log, error );
+    if ( result != RF_OK || options->origin != NULL || !find_origin( scene, origin ) )
+        return result;
+    rf_destroy_scene( scene );
+    return load_around( origin, path, options, scene, NULL, error );
+}
+
+RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )
+{
+    RfGltfOptions options = { 0 };
+    return rf_load_gltf_with( path, &options, scene, log, error );
+}

@@ -1,0 +1,315 @@
+// Where the bytes of a document are: URIs and buffers.
+#include "gltf/gltf_document.h"
+
+#include "base/file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// URIs of buffers: base64 data in the document, or a file beside it.
+
+bool rf_is_data_uri( const char* uri ) { return strncmp( uri, "data:", 5 ) == 0; }
+
+static int base64_value( unsigned char c )
+{
+    if ( c >= 'A' && c <= 'Z' )
+        return c - 'A';
+    if ( c >= 'a' && c <= 'z' )
+        return c - 'a' + 26;
+    if ( c >= '0' && c <= '9' )
+        return c - '0' + 52;
+    return c == '+' ? 62 : c == '/' ? 63 : -1;
+}
+
+// False if a character is not in the base64 alphabet.
+static bool decode_base64( const char* text, size_t length, uint8_t* bytes )
+{
+    uint32_t bits = 0;
+    int held = 0;
+    for ( size_t i = 0; i < length; ++i )
+    {
+        int value = base64_value( (unsigned char)text[i] );
+        if ( value < 0 )
+            return false;
+        bits = bits << 6 | (uint32_t)value;
+        held += 6;
+        if ( held >= 8 )
+        {
+            held -= 8;
+            *bytes++ = (uint8_t)( bits >> held );
+        }
+    }
+    return true;
+}
+
+static RfResult decode_data_uri( const RfGltf* gltf, const char* where, const char* uri, uint8_t** bytes, size_t* size )
+{
+    const char* comma = strchr( uri, ',' );
+    if ( comma == NULL || comma - uri < 7 || strncmp( comma - 7, ";base64", 7 ) != 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri is data that is not base64" );
+    const char* text = comma + 1;
+    size_t length = strlen( text );
+    for ( int pad = 0; pad < 2 && length > 0 && text[length - 1] == '='; ++pad )
+        length -= 1;
+    if ( length % 4 == 1 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has base64 data that is truncated" );
+    *size = length / 4 * 3 + ( length % 4 > 0 ? length % 4 - 1 : 0 );
+    *bytes = malloc( *size > 0 ? *size : 1 );
+    if ( *bytes == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    if ( decode_base64( text, length, *bytes ) )
+        return RF_OK;
+    free( *bytes );
+    *bytes = NULL;
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "uri has a character that is not base64" );
+}
+
+static int hex_value( char c )
+{
+    if ( c >= '0' && c <= '9' )
+        return c - '0';
+    if ( c >= 'a' && c <= 'f' )
+        return c - 'a' + 10;
+    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+}
+
+// Decodes in place; false on an invalid escape or an encoded zero byte.
+static bool decode_percent( char* text )
+{
+    char* out = text;
+    for ( const char* in = text; *in != 0; ++in )
+    {
+        char c = *in;
+        if ( c == '%' )
+        {
+            int high = hex_value( in[1] );
+            int low = high >= 0 ? hex_value( in[2] ) : -1;
+            if ( low < 0 || high * 16 + low == 0 )
+                return false;
+            c = (char)( high * 16 + low );
+            in += 2;
+        }
+        *out++ = c;
+    }
+    *out = 0;
+    return true;
+}
+
+static bool leaves_folder( const char* path )
+{
+    for ( const char* part = path; part != NULL; )
+    {
+        const char* slash = strchr( part, '/' );
+        size_t length = slash != NULL ? (size_t)( slash - part ) : strlen( part );
+        if ( length == 2 && strncmp( part, "..", 2 ) == 0 )
+            return true;
+        part = slash != NULL ? slash + 1 : NULL;
+    }
+    return false;
+}
+
+// Only files beside or below the scene may be named: an untrusted scene must not read other
+// files of the machine.
+static const char* find_fault( const char* path )
+{
+    if ( path[0] == 0 )
+        return "is empty";
+    if ( path[0] == '/' )
+        return "begins with '/'";
+    if ( strchr( path, '\\' ) != NULL )
+        return "has a backslash";
+    if ( leaves_folder( path ) )
+        return "leaves the folder by '..'";
+    const char* colon = strchr( path, ':' );
+    const char* slash = strchr( path, '/' );
+    if ( colon != NULL && ( slash == NULL || colon < slash ) )
+        return "has a scheme";
+    return NULL;
+}
+
+RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path )
+{
+    *path = NULL;
+    if ( rf_is_web_address( uri ) )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "uri '%.300s' is not fetched: download it beside the scene, and give its file name as the uri",
+                             uri );
+    const char* slash = strrchr( gltf->path, '/' );
+    size_t folder = slash != NULL ? (size_t)( slash - gltf->path ) + 1 : 0;
+    char* text = malloc( folder + strlen( uri ) + 1 );
+    if ( text == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    memcpy( text, gltf->path, folder );
+    strcpy( text + folder, uri );
+
+    // checked before and after decoding: either form may hide a violation
+    const char* fault = find_fault( text + folder );
+    if ( fault == NULL && decode_percent( text + folder ) == false )
+        fault = "has a broken %-escape";
+    if ( fault == NULL )
+        fault = find_fault( text + folder );
+    if ( fault != NULL )
+    {
+        free( text );
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "uri '%.80s' %s: put the file beside the scene and name it without a folder", uri, fault );
+    }
+    *path = text;
+    return RF_OK;
+}
+
+RfResult rf_gltf_read_uri( const RfGltf* gltf, const char* where, const char* uri, uint64_t limit, uint8_t** bytes, size_t* size )
+{
+    if ( rf_is_data_uri( uri ) )
+        return decode_data_uri( gltf, where, uri, bytes, size );
+    char* path;
+    RfError error;
+    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_file( path, limit, bytes, size, &error );
+    free( path );
+    return result == RF_OK ? RF_OK : rf_gltf_fail( gltf, result, where, "%.560s", error.text );
+}
+
+// Buffers and buffer views. All sizes are compared as 64-bit differences, which cannot
+// overflow.
+
+// Limit of the sum over all buffer files, since a file may name the same one many times.
+#define MAX_BUFFER_BYTES ( (uint64_t)16 << 30 )
+
+// Limit of what compressed views hold, since few bytes may stand for many.
+#define LEAST_ROOM ( (uint64_t)1 << 30 )
+#define ROOM_PER_BYTE 256
+
+static RfResult fail_empty( const RfGltf* gltf, const char* where )
+{
+    return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "has no uri, and the file no bytes for it" );
+}
+
+// Whether it holds what is compressed elsewhere.
+static bool is_fallback( const json_t* buffer )
+{
+    const json_t* extensions = json_object_get( buffer, "extensions" );
+    return json_is_true( json_object_get( json_object_get( extensions, "KHR_meshopt_compression" ), "fallback" ) ) ||
+           json_is_true( json_object_get( json_object_get( extensions, "EXT_meshopt_compression" ), "fallback" ) );
+}
+
+// A buffer without bytes is of views that meshoptimizer compressed, and need not say so.
+static bool may_be_empty( const RfGltf* gltf, const json_t* buffer )
+{
+    const json_t *used = json_object_get( gltf->root, "extensionsUsed" ), *name;
+    size_t i;
+    bool found = is_fallback( buffer );
+    json_array_foreach( used, i, name )
+    {
+        const char* text = json_is_string( name ) ? json_string_value( name ) : "";
+        found = found || strcmp( text, "EXT_meshopt_compression" ) == 0 || strcmp( text, "KHR_meshopt_compression" ) == 0;
+    }
+    return found;
+}
+
+static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
+{
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFERS, index );
+    RfGltfBuffer* buffer = gltf->buffers + index;
+    int64_t length = 0;
+    const char* uri = NULL;
+    rf_gltf_require( &json, "byteLength", NULL );
+    rf_get_integer( &json, "byteLength", 1, (int64_t)1 << 53, &length );
+    RfResult result = rf_get_text( &json, "uri", &uri );
+    if ( result != RF_OK )
+        return result;
+
+    size_t size = 0;
+    if ( is_fallback( json.json ) && rf_gltf_has_meshopt() )
+    {
+        buffer->size = (uint64_t)length;
+        return RF_OK;
+    }
+    if ( uri != NULL )
+    {
+        result = rf_gltf_read_uri( gltf, json.path, uri, *room, &buffer->owned, &size );
+        if ( result != RF_OK )
+            return result;
+        if ( !rf_is_data_uri( uri ) ) // data inside the document is covered by the hash of the file itself
+            gltf->scene->content_hash = rf_hash_bytes( gltf->scene->content_hash, buffer->owned, size );
+        *room -= size < *room ? size : *room;
+        buffer->data = buffer->owned;
+    }
+    else if ( index == 0 && gltf->bin != NULL )
+    {
+        buffer->data = gltf->bin;
+        size = gltf->bin_size;
+    }
+    else if ( may_be_empty( gltf, json.json ) )
+    {
+        buffer->size = (uint64_t)length;
+        return RF_OK;
+    }
+    else
+        return fail_empty( gltf, json.path );
+    if ( (uint64_t)length > size )
+        return rf_field_fail( &json, "byteLength is %lld, but there are %zu bytes", (long long)length, size );
+    buffer->size = (uint64_t)length;
+    return RF_OK;
+}
+
+RfResult rf_gltf_load_buffers( RfGltf* gltf )
+{
+    int count = gltf->counts[RF_GLTF_BUFFERS];
+    gltf->buffers = calloc( (size_t)count + 1, sizeof *gltf->buffers );
+    if ( gltf->buffers == NULL )
+        return rf_gltf_no_memory( gltf, "buffers" );
+    uint64_t room = MAX_BUFFER_BYTES;
+    for ( int i = 0; i < count; ++i )
+    {
+        RfResult result = load_buffer( gltf, i, &room );
+        if ( result != RF_OK )
+            return result;
+    }
+    size_t views = (size_t)gltf->counts[RF_GLTF_BUFFER_VIEWS];
+    gltf->unpacked = calloc( 1, sizeof *gltf->unpacked + views * sizeof gltf->unpacked->views[0] );
+    if ( gltf->unpacked == NULL )
+        return rf_gltf_no_memory( gltf, "bufferViews" );
+    gltf->unpacked->room = LEAST_ROOM + ROOM_PER_BYTE * ( MAX_BUFFER_BYTES - room + gltf->bin_size );
+    return RF_OK;
+}
+
+void rf_gltf_free_buffers( RfGltf* gltf )
+{
+    for ( int i = 0; gltf->buffers != NULL && i < gltf->counts[RF_GLTF_BUFFERS]; ++i )
+        free( gltf->buffers[i].owned );
+    free( gltf->buffers );
+}
+
+RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes )
+{
+    if ( bytes > gltf->unpacked->room )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where,
+                             "unpacks to %llu bytes, beyond what reframe reads of a file of this size: split the scene",
+                             (unsigned long long)bytes );
+    gltf->unpacked->room -= bytes;
+    return RF_OK;
+}
+
+RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* json, const uint8_t** bytes, uint64_t* length )
+{
+    int64_t offset = 0, extent = 0;
+    rf_gltf_require( json, "buffer", "byteLength", NULL );
+    int buffer = rf_gltf_get_index( gltf, json, "buffer", RF_GLTF_BUFFERS );
+    rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset );
+    RfResult result = rf_get_integer( json, "byteLength", 1, INT64_MAX, &extent );
+    if ( result != RF_OK )
+        return result;
+
+    uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)offset;
+    *length = (uint64_t)extent;
+    if ( start > size || *length > size - start )
+        return rf_field_fail( json, "bytes %llu + %llu are outside buffers[%d] of %llu bytes", (unsigned long long)start,
+                              (unsigned long long)*length, buffer, (unsigned long long)size );
+    if ( gltf->buffers[buffer].data == NULL )
+        return fail_empty( gltf, rf_where( "buffers[%d]", buffer ).text );
+    *bytes = gltf->buffers[buffer].data + start;
+    return RF_OK;
+}
