@@ -1,11 +1,9 @@
 // scripts/blender/export.py on what deforms and what changes its topology: every corner of the mesh that Blender evaluates in a
 // frame is in the posed scene, with its normal, and nothing else is.
 #include "support/blender_run.h"
-#include "support/test.h"
 
 #include "base/file.h"
 #include "scene/deformation.h"
-#include "scene/gltf/gltf.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 
@@ -127,13 +125,11 @@ static void expect_corners( const RfScene* scene, const uint8_t* data, size_t si
 // Exports a .blend, and expects the corners that Blender has.
 static void expect_blenders( const char* name, RfScene* scene )
 {
-    cli_expect( cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb", name, name ), 0, NULL );
+    cli_expect( blender_export( name, "" ), 0, NULL );
     char path[512];
-    snprintf( path, sizeof path, "%s/%s.glb", cli_folder(), name );
     RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    snprintf( path, sizeof path, "%s.glb", name );
+    *scene = convert_load( path );
     uint8_t* data;
     size_t size;
     snprintf( path, sizeof path, "%s/%s.bin", cli_folder(), name );
@@ -165,11 +161,9 @@ static void expect_few_targets( const RfScene* scene )
     assert_int_equal( others, 2 );
 }
 
-TEST( test_shapes_are_blenders )
+BLENDER_TEST( test_shapes_are_blenders )
 {
-    if ( !enter_with_blender() )
-        skip();
-    assert_int_equal( cli_run( BLENDER_MAKE "blender_shapes.py > log 2>&1" )->status, 0 );
+    blender_make( "shapes" );
     RfScene scene;
     expect_blenders( "shapes", &scene );
     assert_true( scene.mesh_count < 40 ); // none for each frame of what instances show
@@ -191,5 +185,4 @@ TEST( test_shapes_are_blenders )
     assert_non_null( strstr( done->err,
                              "loss: 'skin': keeps its shape from frame 2 on: the shapes of all objects take more than 0 GiB: "
                              "export fewer frames\n" ) );
-    cli_leave();
 }
