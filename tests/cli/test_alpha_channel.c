@@ -19,15 +19,6 @@ static void write_scene( void )
     write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,4]}}" );
 }
 
-static float* read_channel( const char* name, const char* channel )
-{
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    float* values = NULL;
-    RfExrWindow window;
-    return rf_read_exr_channels( path, &channel, 1, &window, &values, NULL ) == RF_OK ? values : NULL;
-}
-
 // The names of the channels in the header, which are sorted: one after another, each with 16 bytes behind it.
 static void check_order( const char* name, const char* wanted )
 {
@@ -49,9 +40,9 @@ TEST( test_files_are_premultiplied_rgba )
     cli_expect( cli_run( "$R render sky.json -o n/f.####.exr " SMALL ), 0, NULL );
     check_order( "a/f.0001.exr", "ABGR" );
     check_order( "n/f.0001.exr", "BGR" );
-    assert_null( read_channel( "n/f.0001.exr", "A" ) );
-    float *alpha = read_channel( "a/f.0001.exr", "A" ), *blue = read_channel( "a/f.0001.exr", "B" ),
-          *plain = read_channel( "n/f.0001.exr", "B" );
+    assert_null( cli_read_channel( "n/f.0001.exr", "A", NULL ) );
+    float *alpha = cli_read_channel( "a/f.0001.exr", "A", NULL ), *blue = cli_read_channel( "a/f.0001.exr", "B", NULL ),
+          *plain = cli_read_channel( "n/f.0001.exr", "B", NULL );
     assert_true( alpha != NULL && blue != NULL && plain != NULL );
     int none = 0, all = 0;
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
@@ -82,8 +73,7 @@ TEST( test_png_has_straight_alpha )
     free( without );
     // straight: at the rim the colour is that of the triangle, half as bright if it were not divided
     RfImage image = { 1, 1, ( float[3] ){ 0.25f, 0.125f, 0.5f } };
-    char path[512];
-    snprintf( path, sizeof path, "%s/one.png", cli_folder() );
+    const char* path = cli_path( "one.png" );
     float half = 0.5f, one = 1.0f;
     assert_int_equal( rf_write_png_alpha( path, &image, &half, 0.0f, NULL ), RF_OK );
     char* straight = cli_read( "one.png", &size );

@@ -20,16 +20,10 @@
 // One channel of a frame, to be freed; NULL where it has none.
 static float* channel_of( const char* name, const char* channel, int width, int height )
 {
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    float* values;
     RfExrWindow window;
-    RfError error;
-    if ( rf_read_exr_channels( path, &channel, 1, &window, &values, &error ) != RF_OK )
-    {
-        assert_non_null( strstr( error.text, channel ) );
+    float* values = cli_read_channel( name, channel, &window );
+    if ( values == NULL )
         return NULL;
-    }
     assert_true( window.width == width && window.height == height );
     return values;
 }
@@ -127,11 +121,11 @@ TEST( test_resume_wants_the_same_aovs )
 // The mattes of a name in a frame: the sum of the coverages of its id over all ranks.
 static double coverage_of( const char* name, const char* kind, const char* attribute, const char* what )
 {
-    char path[512], manifest[8192], channel[64];
+    char channel[64];
     float id = 0.0f;
     double sum = 0.0;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr_string( path, attribute, manifest, sizeof manifest, NULL ), RF_OK );
+    const char* manifest = cli_exr_text( name, attribute );
+    assert_non_null( manifest );
     json_t* json = json_loads( manifest, 0, NULL );
     const char* digits = json_string_value( json_object_get( json, what ) );
     assert_non_null( digits );

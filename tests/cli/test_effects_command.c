@@ -11,18 +11,9 @@
 
 #define SMALL "--size 24x18 --spp 3 --frames 2 --group 1 --no-adaptive --float "
 
-static RfImage read_image( const char* name )
-{
-    char path[512];
-    RfImage image;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr( path, &image, NULL ), RF_OK );
-    return image;
-}
-
 static void expect_same_pixels( const char* one, const char* two, bool same )
 {
-    RfImage a = read_image( one ), b = read_image( two );
+    RfImage a = cli_read_exr( one ), b = cli_read_exr( two );
     size_t bytes = 3 * (size_t)a.width * (size_t)a.height * sizeof( float );
     assert_int_equal( memcmp( a.rgb, b.rgb, bytes ) == 0, same );
     rf_destroy_image( &a );
@@ -31,10 +22,8 @@ static void expect_same_pixels( const char* one, const char* two, bool same )
 
 static void expect_header( const char* name, const char* key, const char* wanted )
 {
-    char path[512], value[1024];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfResult result = rf_read_exr_string( path, key, value, sizeof value, NULL );
-    assert_int_equal( result == RF_OK, wanted != NULL );
+    const char* value = cli_exr_text( name, key );
+    assert_int_equal( value != NULL, wanted != NULL );
     if ( wanted != NULL )
         assert_non_null( strstr( value, wanted ) );
 }

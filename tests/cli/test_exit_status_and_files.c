@@ -82,12 +82,7 @@ static void expect_keys( const json_t* json, const char* keys )
 // Reads a frame of the folder and gives its mean.
 static double mean_of( const char* name, int width, int height )
 {
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfImage image;
-    RfError error = { .code = RF_OK };
-    if ( rf_read_exr( path, &image, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    RfImage image = cli_read_exr( name );
     assert_int_equal( image.width, width );
     assert_int_equal( image.height, height );
     double sum = 0.0;
@@ -278,15 +273,7 @@ TEST( test_header_tells_the_settings )
                                              { "reframe/weights", "exact" },
                                              { "reframe/normalize", "crossfit" },
                                              { "reframe/seed", "18446744073709551615" } };
-    char path[512], value[1024];
-    snprintf( path, sizeof path, "%s/a.exr", cli_folder() );
-    for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
-    {
-        RfError error = { .code = RF_OK };
-        if ( rf_read_exr_string( path, wanted[i][0], value, sizeof value, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-        assert_string_equal( value, wanted[i][1] );
-    }
+    cli_expect_exr_texts( "a.exr", wanted, sizeof wanted / sizeof wanted[0] );
 }
 
 TEST( test_json_has_every_key )

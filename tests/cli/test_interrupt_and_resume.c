@@ -35,10 +35,8 @@ static const json_t* frame_of( const json_t* json, size_t i ) { return json_arra
 // A file's number in the file system, another one where it was replaced; 0: not there.
 static uintmax_t inode_of( const char* name )
 {
-    char path[512];
     struct stat status;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return stat( path, &status ) == 0 ? (uintmax_t)status.st_ino : 0;
+    return stat( cli_path( name ), &status ) == 0 ? (uintmax_t)status.st_ino : 0;
 }
 
 static void wait_for_another( const char* name, uintmax_t than )

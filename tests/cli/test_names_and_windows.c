@@ -13,23 +13,6 @@
 
 #include <openexr.h>
 
-static const char* path_of( const char* name )
-{
-    static char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return path;
-}
-
-// The values of a channel, to be freed.
-static float* read_channel( const char* name, const char* channel, RfExrWindow* window )
-{
-    float* values;
-    RfError error = { 0 };
-    if ( rf_read_exr_channels( path_of( name ), &channel, 1, window, &values, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return values;
-}
-
 // The same channels in three files, by their names there, with the opposite sign where that is Blender's.
 static void compare_pass( const char* pass, const char* letters )
 {
@@ -39,7 +22,7 @@ static void compare_pass( const char* pass, const char* letters )
         RfPassChannel own;
         RfExrWindow window;
         rf_name_pass_channel( RF_NAMES_REFRAME, pass, letters, i, &own );
-        float* wanted = read_channel( files[0], own.name, &window );
+        float* wanted = cli_read_channel( files[0], own.name, &window );
         for ( int n = RF_NAMES_BLENDER; n <= RF_NAMES_NUKE; ++n )
         {
             for ( int k = 0; letters[k] != '\0'; ++k )
@@ -48,7 +31,7 @@ static void compare_pass( const char* pass, const char* letters )
                 rf_name_pass_channel( (RfPassNames)n, pass, letters, k, &channel );
                 if ( channel.component != i )
                     continue;
-                float* values = read_channel( files[n], channel.name, &window );
+                float* values = cli_read_channel( files[n], channel.name, &window );
                 for ( int p = 0; p < window.width * window.height; ++p )
                     assert_true( values[p] == ( channel.negated ? -wanted[p] : wanted[p] ) );
                 free( values );
@@ -159,7 +142,7 @@ TEST( test_motion_is_blenders )
         for ( int c = 0; c < 4; ++c )
         {
             RfExrWindow window;
-            float* values = read_channel( "m.exr", cases[i].channel[c], &window );
+            float* values = cli_read_channel( "m.exr", cases[i].channel[c], &window );
             for ( int p = 0; p < 64 * 36; ++p )
             {
                 if ( fabsf( values[p] - cases[i].wanted[c] ) > 1e-4f )
@@ -184,7 +167,7 @@ static Standard read_standard( const char* name )
 {
     exr_context_t file;
     Standard s = { 0 };
-    assert_int_equal( exr_start_read( &file, path_of( name ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &file, cli_path( name ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_data_window( file, 0, &s.data ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_display_window( file, 0, &s.display ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_attr_get_m44f( file, 0, "worldToCamera", &s.camera ), EXR_ERR_SUCCESS );
@@ -205,7 +188,7 @@ static bool is_window( const exr_attr_box2i_t* w, int x, int y, int width, int h
 static double mean_difference( const char* a, const char* b, const char* channel, int dx, int dy )
 {
     RfExrWindow w, wide;
-    float *values = read_channel( a, channel, &w ), *others = read_channel( b, channel, &wide );
+    float *values = cli_read_channel( a, channel, &w ), *others = cli_read_channel( b, channel, &wide );
     double sum = 0.0;
     for ( int i = 0; i < w.width * w.height; ++i )
         sum += sqrt( fabs( (double)values[i] - (double)others[( i / w.width + dy ) * wide.width + i % w.width + dx] ) );
@@ -217,7 +200,7 @@ static double mean_difference( const char* a, const char* b, const char* channel
 static double depth_error( const char* a, const char* b, int dx, int dy )
 {
     RfExrWindow w, wide;
-    float *values = read_channel( a, "depth.Z", &w ), *others = read_channel( b, "depth.Z", &wide );
+    float *values = cli_read_channel( a, "depth.Z", &w ), *others = cli_read_channel( b, "depth.Z", &wide );
     double sum = 0.0;
     for ( int i = 0; i < w.width * w.height; ++i )
         sum += fabs( (double)values[i] / (double)others[( i / w.width + dy ) * wide.width + i % w.width + dx] - 1.0 );
@@ -295,7 +278,7 @@ TEST( test_reconstruct )
     }
     exr_context_t file;
     exr_attr_box2i_t data, display;
-    assert_int_equal( exr_start_read( &file, path_of( "rblender.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &file, cli_path( "rblender.exr" ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_data_window( file, 0, &data ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_display_window( file, 0, &display ), EXR_ERR_SUCCESS );
     exr_finish( &file );
@@ -365,7 +348,7 @@ TEST( test_matrices_say_where_things_are )
                      i % 2 != 0 ? "--overscan 6" : "" ),
             0, NULL );
         RfExrWindow w;
-        float* red = read_channel( "s.exr", "R", &w );
+        float* red = cli_read_channel( "s.exr", "R", &w );
         double sum = 0.0, x = 0.0, y = 0.0, at[2];
         for ( int k = 0; k < w.width * w.height; ++k )
         {

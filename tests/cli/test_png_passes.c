@@ -73,7 +73,7 @@ static void write_frame( const char* name, float far )
     options.channel_count = count;
     options.strings = strings;
     options.string_count = 4;
-    assert_int_equal( rf_write_exr( page_path( name ), &image, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, NULL ), RF_OK );
     rf_destroy_image( &image );
 }
 
@@ -180,7 +180,7 @@ TEST( test_data_is_drawn )
 TEST( test_the_display_window_is_shown )
 {
     Foreign part = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -3, .y = 2, .width = 80, .height = 10 };
-    write_foreign_exr( page_path( "o.exr" ), &part, 1 ); // of a display window of 64x64 pixels
+    write_foreign_exr( cli_path( "o.exr" ), &part, 1 ); // of a display window of 64x64 pixels
     cli_expect( cli_run( "$R png o.exr o.png && $R png o.exr w.png --window data" ), 0, NULL );
     RfPixels picture;
     size_t size;

@@ -79,7 +79,6 @@ static void add_layers( File* file, const char* prefix, const Names* names, cons
 // Writes the layers, with `colour` as R, G and B.
 static void write_file( const char* name, const File* file, const float* colour )
 {
-    char path[512];
     RfError error;
     RfImage image = { WIDTH, HEIGHT, (float*)(uintptr_t)colour };
     RfExrOptions options = rf_default_exr_options();
@@ -90,8 +89,7 @@ static void write_file( const char* name, const File* file, const float* colour 
     options.fps_denominator = 1;
     options.channels = file->channels;
     options.channel_count = file->count;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
 }
 
@@ -105,12 +103,10 @@ static void write_layers( const char* name, const Names* names, const Layers* l 
 
 static void read_result( const char* name, float* rgb )
 {
-    char path[512];
     RfImage image;
     RfExrWindow window;
     RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr_layer( path, NULL, &image, &window, &error ) != RF_OK )
+    if ( rf_read_exr_layer( cli_path( name ), NULL, &image, &window, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     assert_true( window.x == 5 && window.y == -3 && window.width == WIDTH && window.height == HEIGHT );
     memcpy( rgb, image.rgb, 3 * PIXELS * sizeof *rgb );
@@ -138,10 +134,7 @@ static double error_of_file( const char* name )
 // The header and the JSON say this of the result.
 static void check_said( const char* name, const char* json_name, const char* header, const char* method, bool biased )
 {
-    char path[512], text[128];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr_string( path, "reframe/reconstruction", text, sizeof text, NULL ), RF_OK );
-    assert_string_equal( text, header );
+    cli_expect_exr_text( name, "reframe/reconstruction", header );
     json_t* json = cli_read_json( json_name );
     assert_string_equal( json_string_value( json_object_get( json, "method" ) ), method );
     assert_true( json_is_true( json_object_get( json, "biased" ) ) == biased );
@@ -160,10 +153,8 @@ TEST( test_exact_layers_give_the_image )
     cli_expect( cli_run( "$R reconstruct a.exr -o out.exr --json out.json --quiet" ), 0, NULL );
     assert_true( error_of_file( "out.exr" ) < 1e-6 );
     check_said( "out.exr", "out.json", "l2, alpha 0.2: unbiased", "l2", false );
-    char path[512];
     RfExrHeader header;
-    snprintf( path, sizeof path, "%s/out.exr", cli_folder() );
-    assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( cli_path( "out.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.fps_numerator == 24 && header.fps_denominator == 1 );
     rf_destroy_exr_header( &header );
     cli_expect( cli_run( "$R reconstruct b.exr -o out2.exr" ), 0, NULL );

@@ -30,8 +30,6 @@ static void write_frame( const char* name, int width, int height, int frame, flo
 {
     RfImage image;
     RfError error = { 0 };
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
     uint32_t seed = 12345u + (uint32_t)frame;
     for ( int i = 0; i < 3 * width * height; ++i )
@@ -44,7 +42,7 @@ static void write_frame( const char* name, int width, int height, int frame, flo
     }
     RfExrOptions options = rf_default_exr_options();
     options.compression = RF_EXR_NONE;
-    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     rf_destroy_image( &image );
 }
@@ -65,13 +63,11 @@ static void write_columns( const char* name, float a, float b )
 {
     RfImage image;
     RfError error = { 0 };
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     assert_int_equal( rf_create_image( 160, 90, &image, &error ), RF_OK );
     for ( int i = 0; i < 3 * 160 * 90; ++i )
         image.rgb[i] = i / 3 % 160 / 8 % 2 == 0 ? a : b;
     RfExrOptions options = rf_default_exr_options();
-    assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, &error ), RF_OK );
     rf_destroy_image( &image );
 }
 

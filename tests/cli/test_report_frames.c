@@ -66,8 +66,8 @@ TEST( test_files_of_other_programs )
                            .height = 20,
                            .half = true,
                            .part = "beauty" } };
-    write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
-    write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
+    write_foreign_exr( cli_path( "o/x.0007.left.exr" ), parts, 2 );
+    write_foreign_exr( cli_path( "o/x.0008.left.exr" ), parts, 2 );
     cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
     json_t* data = page_read_data( "o.html", 2 );
     const json_t* sequence = page_sequence( data, 0 );
@@ -103,7 +103,7 @@ TEST( test_holes_by_the_smallest_step )
 
 static void write_parts( const char* name, const Foreign* parts, int count )
 {
-    write_foreign_exr( page_path( name ), parts, count );
+    write_foreign_exr( cli_path( name ), parts, count );
 }
 
 #define COLOUR( value )                                                                                                          \

@@ -96,9 +96,7 @@ static void write_grey( const char* name, float light, const char* view, const c
     RfExrOptions options = rf_default_exr_options();
     options.strings = strings;
     options.string_count = view == NULL ? 0 : 2;
-    char path[4096];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_write_exr( path, &image, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, NULL ), RF_OK );
 }
 
 static int level_of( const char* name )

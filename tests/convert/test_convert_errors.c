@@ -129,16 +129,15 @@ TEST_WITHIN( test_interrupt_leaves_no_file, convert_enter, convert_leave )
 TEST_WITHIN( test_no_process_left, convert_enter, convert_leave )
 {
     make_hanging_importer();
-    char source[256], target[256], program[1024], hanging[256];
-    snprintf( source, sizeof source, "%s/a.ply", cli_folder() );
-    snprintf( target, sizeof target, "%s/a.glb", cli_folder() );
+    char program[1024];
     snprintf( program, sizeof program, "%s-import", REFRAME_BINARY );
-    snprintf( hanging, sizeof hanging, "%s/bin/reframe-import", cli_folder() );
     const struct
     {
         const char *program, *text;
-    } cases[] = { { hanging, "ply\n" }, { program, s_crashes }, { program, "ply\n" } };
-    RfImporterRun run = { .source = source, .target = target, .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1 };
+    } cases[] = { { cli_path( "bin/reframe-import" ), "ply\n" }, { program, s_crashes }, { program, "ply\n" } };
+    RfImporterRun run = {
+        .source = cli_path( "a.ply" ), .target = cli_path( "a.glb" ), .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1
+    };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
         RfModelCounts counts;
@@ -159,9 +158,7 @@ TEST_WITHIN( test_no_process_left, convert_enter, convert_leave )
 
 static RfResult write_model( const RfModel* model, RfError* error )
 {
-    char path[256];
-    snprintf( path, sizeof path, "%s/m.glb", cli_folder() );
-    return rf_write_glb( path, model, true, error );
+    return rf_write_glb( cli_path( "m.glb" ), model, true, error );
 }
 
 TEST_WITHIN( test_writer_refuses, convert_enter, convert_leave )

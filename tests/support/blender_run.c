@@ -1,7 +1,5 @@
 #include "support/blender_run.h"
 
-#include "reframe/image.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -87,17 +85,6 @@ const RfPunctual* find_lamp( const RfScene* scene, const char* name )
     return NULL;
 }
 
-static RfImage read_picture( const char* name )
-{
-    char path[512];
-    RfImage image;
-    RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr( path, &image, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return image;
-}
-
 // Of a block, one of `columns` by `rows`.
 static double block_mean( const RfImage* image, int columns, int rows, int block )
 {
@@ -114,7 +101,7 @@ static double block_mean( const RfImage* image, int columns, int rows, int block
 
 Difference picture_difference( const char* ours, const char* other, int columns, int rows )
 {
-    RfImage a = read_picture( ours ), b = read_picture( other );
+    RfImage a = cli_read_exr( ours ), b = cli_read_exr( other );
     assert_int_equal( a.width, b.width );
     assert_int_equal( a.height, b.height );
     double whole = block_mean( &b, 1, 1, 0 );
@@ -141,7 +128,7 @@ Difference picture_difference( const char* ours, const char* other, int columns,
 
 double picture_mean( const char* name )
 {
-    RfImage image = read_picture( name );
+    RfImage image = cli_read_exr( name );
     double mean = block_mean( &image, 1, 1, 0 );
     rf_destroy_image( &image );
     return mean;

@@ -383,11 +383,10 @@ static RfCameraPath path_of( const RfScene* scene, const char* text, int steps )
     RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 }, .blur_steps = steps };
     RfCameraPath path;
     RfError error;
-    char file[512];
     write_text( "path.json", text );
-    snprintf( file, sizeof file, "%s/path.json", cli_folder() );
-    if ( rf_create_camera_path( scene, &( RfPathOptions ){ .camera = file, .lens = &lens, .width = 8, .height = 8 }, &path,
-                                &error ) != RF_OK )
+    if ( rf_create_camera_path( scene,
+                                &( RfPathOptions ){ .camera = cli_path( "path.json" ), .lens = &lens, .width = 8, .height = 8 },
+                                &path, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return path;
 }

@@ -368,9 +368,8 @@ TEST( test_cuts_end_the_curves )
 static int load_mutations( const char* text, uint64_t count )
 {
     size_t size = strlen( text );
-    char *bytes = malloc( size ), path[256];
+    char* bytes = malloc( size );
     int loaded = 0;
-    snprintf( path, sizeof path, "%s/broken.json", cli_folder() );
     for ( uint64_t i = 0; i < count; ++i )
     {
         memcpy( bytes, text, size );
@@ -378,7 +377,7 @@ static int load_mutations( const char* text, uint64_t count )
         RfCamera camera;
         RfError error = { 0 };
         RfScene scene = { 0 };
-        RfResult result = rf_load_camera( path, &camera, &error );
+        RfResult result = rf_load_camera( cli_path( "broken.json" ), &camera, &error );
         assert_true( result == RF_OK ? camera.track != NULL : error.text[0] != 0 );
         for ( int frame = 0; frame < 5 && result == RF_OK; ++frame )
         {
