@@ -145,12 +145,12 @@ static bool run_tool( const char* tool, const char* arguments, const char* wante
 {
     char line[1024];
     snprintf( line, sizeof line, "command -v %s >/dev/null || exit 77; %s %s >%s 2>&1", tool, tool, arguments,
-              temp_path( "tool.txt" ) );
+              cli_path( "tool.txt" ) );
     int status = system( line );
     size_t size;
     if ( WIFEXITED( status ) && WEXITSTATUS( status ) == 77 )
         return true;
-    char* text = load_file( temp_path( "tool.txt" ), &size );
+    char* text = cli_read( "tool.txt", &size );
     text[size] = '\0';
     bool works = strstr( text, "ERROR" ) == NULL && ( wanted == NULL || strstr( text, wanted ) != NULL );
     // exrinfo 3.1.5 leaves with any status
@@ -169,7 +169,7 @@ static void check_tools( const char* path, RfExrCompression compression, bool pa
     assert_true( run_tool( "exrheader", path, parts ? "CryptoObject00.G, 32-bit" : "samples.Y, 32-bit" ) );
     snprintf( arguments, sizeof arguments, "-s -v %s", path );
     assert_true( run_tool( "exrinfo", arguments, rf_compression_words[compression] ) );
-    snprintf( arguments, sizeof arguments, "-separate -i %s -o %s -override 1", path, temp_path( "piece" ) );
+    snprintf( arguments, sizeof arguments, "-separate -i %s -o %s -override 1", path, cli_path( "piece" ) );
     if ( parts )
         assert_true( run_tool( "exrmultipart", arguments, NULL ) );
 }
@@ -185,7 +185,7 @@ TEST( test_each_is_read_by_openexr )
         RfError error = { 0 };
         if ( is_dwa( compression ) && !rf_has_dwa() )
             continue;
-        RfResult result = write_all( temp_path( "all.exr" ), compression, (float)level, parts, half, &error );
+        RfResult result = write_all( cli_path( "all.exr" ), compression, (float)level, parts, half, &error );
         if ( is_dwa( compression ) && !parts && !half ) // R of the colour and of the hash
         {
             assert_int_equal( result, RF_ERROR_USAGE );
@@ -195,8 +195,8 @@ TEST( test_each_is_read_by_openexr )
         }
         if ( result != RF_OK )
             fail_msg( "%s", error.text );
-        check_file( temp_path( "all.exr" ), is_dwa( compression ) ? level : -1.0, half );
-        check_tools( temp_path( "all.exr" ), compression, parts );
+        check_file( cli_path( "all.exr" ), is_dwa( compression ) ? level : -1.0, half );
+        check_tools( cli_path( "all.exr" ), compression, parts );
     }
 }
 
@@ -209,7 +209,7 @@ TEST( test_foreign_dwa_is_read )
     static float library[PIXELS];
     for ( int way = 0; way < 4; ++way )
     {
-        const char* path = temp_path( "foreign.exr" );
+        const char* path = cli_path( "foreign.exr" );
         assert_true( write_by_openexr( path, WIDTH, HEIGHT, s_rgb, way % 2 == 1, way / 2 == 1 ) );
         for ( int c = 0; c < 4; ++c )
         {
@@ -243,19 +243,19 @@ TEST( test_extreme_colours_and_dwa )
             assert_true( fabsf( back.rgb[i] ) <= 65504.0f );
         rf_destroy_image( &back );
     }
-    int before = count_files();
+    int before = cli_count_files( "", "." );
     for ( int way = 0; way < 2; ++way )
     {
         image.rgb[4000] = way == 0 ? NAN : -INFINITY;
-        assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+        assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
         assert_non_null( strstr( error.text, "NaN or infinite values, which DWA would turn to 0" ) );
     }
     image.rgb[4000] = 0.0f;
     options.dwa_level = RF_EXR_MAX_DWA_LEVEL + 1.0f;
-    assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
     options.dwa_level = NAN;
-    assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
-    assert_int_equal( count_files(), before );
+    assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+    assert_int_equal( cli_count_files( "", "." ), before );
     rf_destroy_image( &image );
 }
 
@@ -269,15 +269,15 @@ TEST( test_broken_dwa_is_one_line )
     {
         size_t size;
         if ( round % 100 == 0 )
-            assert_int_equal( write_all( temp_path( "whole.exr" ), RF_EXR_DWAA, 45.0f, round == 0, true, &error ), RF_OK );
-        char* bytes = load_file( temp_path( "whole.exr" ), &size );
+            assert_int_equal( write_all( cli_path( "whole.exr" ), RF_EXR_DWAA, 45.0f, round == 0, true, &error ), RF_OK );
+        char* bytes = cli_read( "whole.exr", &size );
         for ( int k = 0; k < 1 + round % 7; ++k )
             bytes[next_random( &seed ) % size] = (char)next_random( &seed );
-        save_file( temp_path( "broken.exr" ), bytes, round % 3 == 0 ? next_random( &seed ) % size : size );
+        cli_write( "broken.exr", bytes, round % 3 == 0 ? next_random( &seed ) % size : size );
         free( bytes );
         RfImage image;
         error.text[0] = '\0';
-        if ( rf_read_exr( temp_path( "broken.exr" ), &image, &error ) == RF_OK )
+        if ( rf_read_exr( cli_path( "broken.exr" ), &image, &error ) == RF_OK )
             rf_destroy_image( &image );
         else
             assert_non_null( strstr( error.text, "broken.exr" ) );
@@ -286,4 +286,4 @@ TEST( test_broken_dwa_is_one_line )
 }
 #endif
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

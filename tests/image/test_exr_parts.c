@@ -69,7 +69,7 @@ TEST( test_parts_hold_what_one_part_does )
         options.half = way / 2 % 2 == 0;
         RfImage back = write_and_read( "parts.exr", &image, &options );
         rf_destroy_image( &back );
-        check_values( temp_path( "parts.exr" ), &image, options.compression >= RF_EXR_DWAA, options.half );
+        check_values( cli_path( "parts.exr" ), &image, options.compression >= RF_EXR_DWAA, options.half );
     }
     rf_destroy_image( &image );
 }
@@ -91,8 +91,8 @@ static size_t find_pixels( const char* bytes, size_t size )
 static RfResult verify( const char* bytes, size_t size, bool* same )
 {
     RfError error;
-    save_file( temp_path( "damaged.exr" ), bytes, size );
-    return rf_verify_exr( temp_path( "damaged.exr" ), same, &error );
+    cli_write( "damaged.exr", bytes, size );
+    return rf_verify_exr( cli_path( "damaged.exr" ), same, &error );
 }
 
 // Any bit of the pixels, of any part, and any cut; a file without a checksum is judged by decoding.
@@ -111,8 +111,8 @@ TEST( test_damage_is_found )
         options.compression = (RfExrCompression)( way / 2 );
         size_t size;
         bool same;
-        assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
-        char* bytes = load_file( temp_path( "whole.exr" ), &size );
+        assert_int_equal( rf_write_exr( cli_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+        char* bytes = cli_read( "whole.exr", &size );
         size_t begin = find_pixels( bytes, size );
         assert_true( verify( bytes, size, &same ) == RF_OK && same );
         for ( int i = 0; i < 30; ++i )
@@ -122,7 +122,7 @@ TEST( test_damage_is_found )
             if ( verify( bytes, size, &same ) == RF_OK && same ) // zlib has several streams for the same samples
             {
                 assert_true( options.compression < RF_EXR_DWAA );
-                check_values( temp_path( "damaged.exr" ), &image, false, true );
+                check_values( cli_path( "damaged.exr" ), &image, false, true );
                 ++alike;
             }
             bytes[at] ^= (char)( 1 << i % 8 );
@@ -131,7 +131,7 @@ TEST( test_damage_is_found )
         }
         // lossless compressions have one checksum, of the samples
         char sum[64];
-        assert_int_equal( rf_read_exr_string( temp_path( "whole.exr" ), "reframe/checksum", sum, sizeof sum, &error ), RF_OK );
+        assert_int_equal( rf_read_exr_string( cli_path( "whole.exr" ), "reframe/checksum", sum, sizeof sum, &error ), RF_OK );
         if ( options.compression < RF_EXR_DWAA && sums[way % 2][0] != '\0' )
             assert_string_equal( sum, sums[way % 2] );
         if ( options.compression < RF_EXR_DWAA )
@@ -148,10 +148,10 @@ TEST( test_without_checksum_decoding_decides )
     RfExrOptions options = rf_default_exr_options();
     RfError error;
     options.compression = RF_EXR_NONE;
-    assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( "whole.exr" ), &image, &options, &error ), RF_OK );
     size_t size, at = 0;
     bool same;
-    char* bytes = load_file( temp_path( "whole.exr" ), &size );
+    char* bytes = cli_read( "whole.exr", &size );
     while ( memcmp( bytes + at, "reframe/checksum", 16 ) != 0 )
         ++at;
     bytes[at] = 'R'; // an attribute that means nothing
@@ -187,11 +187,11 @@ TEST( test_parts_are_named_and_share_attributes )
     options.display = ( RfExrWindow ){ 0, 8, WIDTH - 10, HEIGHT - 10 };
     options.pixel_aspect = 2.0f;
     RfError error;
-    if ( rf_write_exr( temp_path( "shared.exr" ), &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( "shared.exr" ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     exr_context_t context = NULL;
     int count = 0;
-    assert_int_equal( exr_start_read( &context, temp_path( "shared.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &context, cli_path( "shared.exr" ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_count( context, &count ), EXR_ERR_SUCCESS );
     assert_int_equal( count, 3 );
     for ( int p = 0; p < count; ++p )
@@ -225,7 +225,7 @@ TEST( test_parts_are_named_and_share_attributes )
     }
     exr_finish( &context );
     RfExrHeader header;
-    assert_int_equal( rf_read_exr_header( temp_path( "shared.exr" ), NULL, &header, &error ), RF_OK );
+    assert_int_equal( rf_read_exr_header( cli_path( "shared.exr" ), NULL, &header, &error ), RF_OK );
     assert_true( header.x == -5 && header.y == 3 && header.width == WIDTH && header.height == HEIGHT );
     assert_true( header.display_x == 0 && header.display_y == 8 && header.display_width == WIDTH - 10 );
     assert_non_null( rf_find_exr_name( &header, "depth.Z", 7 ) );
@@ -250,7 +250,7 @@ TEST( test_many_channels_and_long_names )
     options.channels = channels;
     options.channel_count = RF_EXR_MAX_CHANNELS - 3;
     RfError error;
-    const char* path = temp_path( "many.exr" );
+    const char* path = cli_path( "many.exr" );
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
     RfExrHeader header;
     assert_int_equal( rf_read_exr_header( path, NULL, &header, &error ), RF_OK );
@@ -277,7 +277,7 @@ TEST( test_full_disk_leaves_no_part )
     RfExrChannel channels[4];
     RfExrOptions options = make_options( channels, parts );
     RfError error;
-    int before = count_files();
+    int before = cli_count_files( "", "." );
     struct rlimit value;
     signal( SIGXFSZ, SIG_IGN );
     assert_int_equal( getrlimit( RLIMIT_FSIZE, &value ), 0 );
@@ -287,14 +287,14 @@ TEST( test_full_disk_leaves_no_part )
         options.compression = (RfExrCompression)( way / 5 );
         value.rlim_cur = limits[way % 5];
         assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
-        RfResult result = rf_write_exr( temp_path( "full.exr" ), &image, &options, &error );
+        RfResult result = rf_write_exr( cli_path( "full.exr" ), &image, &options, &error );
         value.rlim_cur = RLIM_INFINITY;
         assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
         assert_int_equal( result, RF_ERROR_IO );
         assert_non_null( strstr( error.text, "File too large" ) );
-        assert_int_equal( count_files(), before );
+        assert_int_equal( cli_count_files( "", "." ), before );
     }
     rf_destroy_image( &image );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -108,9 +108,9 @@ TEST( test_same_image_same_bytes )
     char* bytes[2];
     for ( int i = 0; i < 2; ++i )
     {
-        const char* path = temp_path( i == 0 ? "a.exr" : "b.exr" );
+        const char* path = cli_path( i == 0 ? "a.exr" : "b.exr" );
         assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
-        bytes[i] = load_file( path, sizes + i );
+        bytes[i] = cli_read( path, sizes + i );
     }
     assert_int_equal( sizes[0], sizes[1] );
     assert_memory_equal( bytes[0], bytes[1], sizes[0] );
@@ -142,7 +142,7 @@ TEST( test_attributes_round_trip )
     rf_destroy_image( &image );
 
     exr_context_t context = NULL;
-    assert_int_equal( exr_start_read( &context, temp_path( "attributes.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &context, cli_path( "attributes.exr" ), NULL ), EXR_ERR_SUCCESS );
     exr_attr_rational_t fps;
     assert_int_equal( exr_attr_get_rational( context, 0, "framesPerSecond", &fps ), EXR_ERR_SUCCESS );
     assert_int_equal( fps.num, 24000 );
@@ -171,7 +171,7 @@ TEST( test_attributes_round_trip )
 TEST( test_strings_are_found_in_headers )
 {
     (void)state; // the file of test_attributes_round_trip
-    const char* path = temp_path( "attributes.exr" );
+    const char* path = cli_path( "attributes.exr" );
     char value[16];
     RfError error;
     assert_int_equal( rf_read_exr_string( path, "reframe/group", value, sizeof value, &error ), RF_OK );
@@ -183,7 +183,7 @@ TEST( test_strings_are_found_in_headers )
     assert_int_equal( rf_read_exr_string( path, "reframe/none", value, sizeof value, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "reframe/none" ) );
     assert_int_equal( rf_read_exr_string( path, "framesPerSecond", value, sizeof value, &error ), RF_ERROR_FORMAT );
-    assert_int_equal( rf_read_exr_string( temp_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_read_exr_string( cli_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
 }
 
 TEST( test_png_is_srgb_of_the_light )
@@ -192,7 +192,7 @@ TEST( test_png_is_srgb_of_the_light )
     const float pixels[] = { 0.0f, 1.0f, 0.5f, NAN, 0.0f, 0.0f, -1.0f, INFINITY, 2.0f, 0.25f, 0.0f, 0.0f, 0.0f, 0.0f, 0.001f };
     memcpy( image.rgb, pixels, sizeof pixels );
     RfError error;
-    const char* path = temp_path( "image.png" );
+    const char* path = cli_path( "image.png" );
     assert_int_equal( rf_write_png( path, &image, 1.0f, &error ), RF_OK );
     png_image png = { .version = PNG_IMAGE_VERSION };
     assert_true( png_image_begin_read_from_file( &png, path ) );
@@ -225,37 +225,37 @@ static void check_refused( const char* path, RfResult wanted )
 TEST( test_unwritable_places_are_reported )
 {
     RfError error;
-    assert_int_equal( rf_write_file_atomic( temp_path( "file" ), "old", 3, &error ), RF_OK );
-    assert_int_equal( mkdir( temp_path( "folder" ), 0755 ), 0 );
-    int before = count_files();
-    check_refused( temp_path( "none/image.exr" ), RF_ERROR_IO );
-    check_refused( temp_path( "file/image.exr" ), RF_ERROR_IO );
-    check_refused( temp_path( "folder" ), RF_ERROR_IO );
-    check_refused( temp_path( "folder/" ), RF_ERROR_IO );
-    assert_int_equal( count_files(), before );
+    assert_int_equal( rf_write_file_atomic( cli_path( "file" ), "old", 3, &error ), RF_OK );
+    assert_int_equal( mkdir( cli_path( "folder" ), 0755 ), 0 );
+    int before = cli_count_files( "", "." );
+    check_refused( cli_path( "none/image.exr" ), RF_ERROR_IO );
+    check_refused( cli_path( "file/image.exr" ), RF_ERROR_IO );
+    check_refused( cli_path( "folder" ), RF_ERROR_IO );
+    check_refused( cli_path( "folder/" ), RF_ERROR_IO );
+    assert_int_equal( cli_count_files( "", "." ), before );
     if ( geteuid() != 0 ) // permissions do not bind root
     {
-        assert_int_equal( chmod( temp_path( "folder" ), 0555 ), 0 );
-        check_refused( temp_path( "folder/image.exr" ), RF_ERROR_IO );
+        assert_int_equal( chmod( cli_path( "folder" ), 0555 ), 0 );
+        check_refused( cli_path( "folder/image.exr" ), RF_ERROR_IO );
     }
-    assert_int_equal( rmdir( temp_path( "folder" ) ), 0 );
+    assert_int_equal( rmdir( cli_path( "folder" ) ), 0 );
 }
 
 TEST( test_links_are_followed )
 {
     RfError error;
-    const char* path = temp_path( "text" );
+    const char* path = cli_path( "text" );
     assert_int_equal( rf_write_file_atomic( path, "one", 3, &error ), RF_OK );
     assert_int_equal( chmod( path, 0600 ), 0 );
-    assert_int_equal( symlink( "text", temp_path( "link" ) ), 0 );
-    assert_int_equal( rf_write_file_atomic( temp_path( "link" ), "three", 5, &error ), RF_OK );
+    assert_int_equal( symlink( "text", cli_path( "link" ) ), 0 );
+    assert_int_equal( rf_write_file_atomic( cli_path( "link" ), "three", 5, &error ), RF_OK );
     struct stat status;
-    assert_int_equal( lstat( temp_path( "link" ), &status ), 0 );
+    assert_int_equal( lstat( cli_path( "link" ), &status ), 0 );
     assert_true( S_ISLNK( status.st_mode ) ); // the link stays, what it names is replaced
     assert_int_equal( stat( path, &status ), 0 );
     assert_int_equal( status.st_mode & 0777, 0600 );
     size_t size;
-    char* text = load_file( path, &size );
+    char* text = cli_read( path, &size );
     assert_int_equal( size, 5 );
     assert_memory_equal( text, "three", 5 );
     free( text );
@@ -276,9 +276,9 @@ static void set_file_limit( rlim_t limit )
 TEST( test_full_disk_leaves_no_part )
 {
     RfError error;
-    const char* path = temp_path( "full" );
+    const char* path = cli_path( "full" );
     assert_int_equal( rf_write_file_atomic( path, "old", 3, &error ), RF_OK );
-    int before = count_files();
+    int before = cli_count_files( "", "." );
     RfImage image = make_image( 200, 100, 5 );
     RfExrOptions options = rf_default_exr_options();
     signal( SIGXFSZ, SIG_IGN );
@@ -296,7 +296,7 @@ TEST( test_full_disk_leaves_no_part )
         }
         assert_int_equal( rf_write_png( path, &image, 0.0f, &error ), RF_ERROR_IO );
         set_file_limit( RLIM_INFINITY );
-        assert_int_equal( count_files(), before );
+        assert_int_equal( cli_count_files( "", "." ), before );
     }
     rf_destroy_image( &image );
 }
@@ -304,17 +304,17 @@ TEST( test_full_disk_leaves_no_part )
 TEST( test_full_disk_keeps_old )
 {
     RfError error;
-    const char* path = temp_path( "kept.exr" );
+    const char* path = cli_path( "kept.exr" );
     RfImage image = make_image( 200, 100, 5 );
     RfExrOptions options = rf_default_exr_options();
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
     size_t sizes[2];
-    char* old = load_file( path, sizes );
+    char* old = cli_read( path, sizes );
     options.half = false;
     set_file_limit( 20000 );
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_ERROR_IO );
     set_file_limit( RLIM_INFINITY );
-    char* now = load_file( path, sizes + 1 );
+    char* now = cli_read( path, sizes + 1 );
     assert_int_equal( sizes[0], sizes[1] );
     assert_memory_equal( old, now, sizes[0] );
     free( old );
@@ -379,10 +379,10 @@ TEST( test_sequence_frames )
                                   "xs.0004.exr", "s.-001.exr", "s.99999999999.exr", "s.-0012.exr", "s.-0000.exr" };
     RfError error;
     for ( int i = 0; i < 11; ++i )
-        assert_int_equal( rf_write_file_atomic( temp_path( names[i] ), "", 0, &error ), RF_OK );
+        assert_int_equal( rf_write_file_atomic( cli_path( names[i] ), "", 0, &error ), RF_OK );
     int* frames;
     int count;
-    assert_int_equal( rf_sequence_frames( temp_path( "s.####.exr" ), &frames, &count, &error ), RF_OK );
+    assert_int_equal( rf_sequence_frames( cli_path( "s.####.exr" ), &frames, &count, &error ), RF_OK );
     const int expected[] = { -12, 2, 10, 12345 };
     assert_int_equal( count, 4 );
     assert_memory_equal( frames, expected, sizeof expected );
@@ -392,10 +392,10 @@ TEST( test_sequence_frames )
     assert_string_equal( name, "s.-0012.exr" );
     rf_format_frames( ( const int[] ){ -5, -4, -3, -1, 0, 2 }, 6, name, sizeof name );
     assert_string_equal( name, "-5 to -3, -1, 0, 2" );
-    assert_int_equal( rf_sequence_frames( temp_path( "t.####.exr" ), &frames, &count, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_sequence_frames( cli_path( "t.####.exr" ), &frames, &count, &error ), RF_ERROR_IO );
     assert_null( frames );
-    assert_int_equal( rf_sequence_frames( temp_path( "none/s.#" ), &frames, &count, &error ), RF_ERROR_IO );
-    assert_int_equal( rf_sequence_frames( temp_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_sequence_frames( cli_path( "none/s.#" ), &frames, &count, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_sequence_frames( cli_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
 }
 
 TEST( test_image_sizes_are_checked )
@@ -413,4 +413,4 @@ TEST( test_image_sizes_are_checked )
     rf_destroy_image( &image ); // twice does no harm
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -65,7 +65,7 @@ TEST( test_names_of_reframe )
         "primal.variance",  "direct.R",
         "direct.G",         "direct.B",
     };
-    const char* path = temp_path( "r.exr" );
+    const char* path = cli_path( "r.exr" );
     write_channels( path, names, (int)( sizeof names / sizeof names[0] ) );
     // a dx without green and blue is none
     check_names( path, "normal, depth, motion, direct, alpha, light_key, CryptoObject, object_index, primal.variance" );
@@ -101,7 +101,7 @@ TEST( test_names_of_blender )
         "ViewLayer.CryptoAsset0.r",
         "ViewLayer.CryptoAsset0.g",
     };
-    const char* path = temp_path( "b.exr" );
+    const char* path = cli_path( "b.exr" );
     write_channels( path, names, (int)( sizeof names / sizeof names[0] ) );
     check_names( path, "albedo, denoise_albedo, depth, motion, alpha, light_at, CryptoAsset, Mist" );
     char layer[RF_PASS_LAYER_SIZE];
@@ -120,7 +120,7 @@ TEST( test_names_of_nuke )
         { .names = { "backward.u", "backward.v" }, .values = { 1, 2 }, .width = 8, .height = 4, .part = "backward" },
         { .names = { "forward.u", "forward.v" }, .values = { 3, 4 }, .width = 8, .height = 4, .part = "forward" },
     };
-    const char* path = temp_path( "n.exr" );
+    const char* path = cli_path( "n.exr" );
     write_foreign_exr( path, parts, (int)( sizeof parts / sizeof parts[0] ) );
     check_names( path, "motion" );
     char layer[RF_PASS_LAYER_SIZE];
@@ -138,7 +138,7 @@ TEST( test_parts )
         { .names = { "A", "B", "G", "R" }, .values = { 1, 1, 1, 1 }, .width = 8, .height = 4, .part = "CryptoObject01" },
         { .names = { "light_key.B", "light_key.G", "light_key.R" }, .values = { 1 }, .width = 8, .height = 4, .part = "again" },
     };
-    const char* path = temp_path( "p.exr" );
+    const char* path = cli_path( "p.exr" );
     write_foreign_exr( path, parts, (int)( sizeof parts / sizeof parts[0] ) );
     check_names( path, "depth, alpha, light_key, again.light_key, CryptoObject" );
     char layer[RF_PASS_LAYER_SIZE];
@@ -183,4 +183,4 @@ TEST( test_indices_and_signs )
     assert_true( rgb[1] < rgb[0] && rgb[0] < rgb[2] && rgb[3] == rgb[0] && isnan( rgb[5] ) );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

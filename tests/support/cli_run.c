@@ -50,10 +50,10 @@ int cli_leave_group( void** state )
 
 const char* cli_path( const char* name )
 {
-    static char s_paths[8][512];
+    static char s_paths[32][512];
     static int s_next;
-    char* path = s_paths[s_next++ % 8];
-    snprintf( path, sizeof s_paths[0], "%s/%s", s_folder, name );
+    char* path = s_paths[s_next++ % 32];
+    snprintf( path, sizeof s_paths[0], "%s%s%s", name[0] == '/' ? "" : s_folder, name[0] == '/' ? "" : "/", name );
     return path;
 }
 

@@ -21,7 +21,7 @@ typedef struct CliResult
 void cli_enter( void );
 void cli_leave( void );
 const char* cli_folder( void );
-// The path of a file in it, good until the eighth call after.
+// The path of a file in it, or what is an absolute path, good until the 32nd call after.
 const char* cli_path( const char* name );
 
 // The same as set-up and tear-down of a group of tests.
