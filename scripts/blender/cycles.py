@@ -148,6 +148,15 @@ def write_picture(scene, path, frame=None, seed=0):
     bpy.ops.render.render(write_still=True)
 
 
+def write_animations(scene, patterns):
+    """All frames by Cycles, once by each pattern, with other seeds."""
+    scene.render.use_persistent_data = True
+    scene.render.image_settings.color_mode = "RGB"
+    for seed, pattern in enumerate(patterns):
+        scene.cycles.seed, scene.render.filepath = seed, pattern
+        bpy.ops.render.render(animation=True)
+
+
 def set_up(job, gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     known = bpy.ops.import_scene.gltf.get_rna_type().properties
