@@ -4,9 +4,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-#include <string.h>
-
 #ifdef REFRAME_SANITIZED
 #define FUZZ 40000
 #else

@@ -3,9 +3,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-#include <string.h>
-
 #ifdef REFRAME_SANITIZED
 #define SAMPLES 20000
 #define SUB 12

@@ -3,10 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 
 #define WIDTH 24
@@ -76,19 +72,17 @@ TEST( test_png_has_straight_alpha )
     const char* path = cli_path( "one.png" );
     float half = 0.5f, one = 1.0f;
     assert_int_equal( rf_write_png_alpha( path, &image, &half, 0.0f, NULL ), RF_OK );
-    char* straight = cli_read( "one.png", &size );
+    AUTO_FREE char* straight = cli_read( "one.png", &size );
     size_t first = size;
     image.rgb = ( float[3] ){ 0.5f, 0.25f, 1.0f };
     assert_int_equal( rf_write_png_alpha( path, &image, &one, 0.0f, NULL ), RF_OK );
-    char* opaque = cli_read( "one.png", &size );
+    AUTO_FREE char* opaque = cli_read( "one.png", &size );
     // a pixel is red green blue alpha behind the byte of the filter: the files differ in alpha and checksums alone
     assert_int_equal( first, size );
     int different = 0;
     for ( size_t i = 0; i < size; ++i )
         different += straight[i] != opaque[i];
     assert_true( different > 0 && different <= 1 + 4 + 4 );
-    free( straight );
-    free( opaque );
 }
 
 TEST( test_other_commands_read_it )

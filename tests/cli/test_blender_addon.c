@@ -3,8 +3,6 @@
 #include "support/blender_run.h"
 #include "support/test.h"
 
-#include <string.h>
-
 BLENDER_TEST( test_zip_installs_exports_and_renders )
 {
     cli_expect( cli_run( "python3 -B " REFRAME_SOURCE_DIR "/scripts/blender/pack --output a.zip && "

@@ -2,10 +2,6 @@
 // that of Cycles within 1 %, and so, within their noise, are the means of its parts. Skipped where Blender is missing.
 #include "support/blender_run.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static void render_camera( const char* name )
 {
     const CliResult* done = cli_run( BLENDER "cameras.blend -P " BLENDER_SCRIPT "%s.glb --camera %s > log", name, name );

@@ -5,10 +5,6 @@
 #include "light/sky.h"
 #include "scene/camera.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 // A camera that a moving parent and a constraint move, an area light, a point
 // lamp, a world of one colour, a custom property.
 static const char s_make[] =
@@ -205,9 +201,8 @@ BLENDER_TEST( test_export_keeps_the_scene )
                                  "none.glb > log 2> err; s=$?; grep blender-export: err >&2; exit $s" ),
                 1, "no camera in the scene: add one" );
     assert_int_equal( blender_export( "t", "" )->status, 0 );
-    RfScene scene = convert_load( "t.glb" );
+    AUTO_SCENE scene = convert_load( "t.glb" );
     check_scene( &scene, blender_is_4() );
-    rf_destroy_scene( &scene );
     cli_expect( cli_run( BLENDER "t.blend --python-expr 'import sys; sys.modules[\"numpy\"] = None' -P " BLENDER_SCRIPT
                                  "t.glb > log "
                                  "2> err; s=$?; grep blender-export: err >&2; exit $s" ),

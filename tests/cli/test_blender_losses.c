@@ -2,10 +2,6 @@
 // (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define MOST 24
 #define UNSEEN "lamps that light as in Blender, but are not seen in mirrors, and light nothing through solid glass: "
 #define EDGES "the edges of spots whose cones change have the light of Blender's on the whole, but fall off otherwise: "

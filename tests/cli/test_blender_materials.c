@@ -5,11 +5,6 @@
 
 #include "scene/textured.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 BLENDER_TEST( test_means_are_those_of_cycles )
 {
     static const struct
@@ -91,15 +86,13 @@ BLENDER_TEST( test_what_is_left_out_is_named )
     const CliResult* done = blender_export( "left_out", "--bake 64" );
     assert_int_equal( done->status, 0 );
     EXPECT_ALL_SAID( done->err, said );
-    RfScene scene = convert_load( "left_out.glb" );
+    AUTO_SCENE scene = convert_load( "left_out.glb" );
     assert_true( find_material( &scene, "rough" )->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 );
-    rf_destroy_scene( &scene );
     const CliResult* info = cli_run( "$R info left_out.glb" );
     EXPECT_ALL_SAID( info->out, said );
     cli_expect( cli_run( "$R info left_out.glb --json info.json --quiet" ), 0, NULL );
-    json_t* json = cli_read_json( "info.json" );
+    json_auto_t* json = cli_read_json( "info.json" );
     assert_int_equal( json_array_size( json_object_get( json, "export_warnings" ) ), sizeof said / sizeof said[0] );
-    json_decref( json );
     done = blender_export( "left_out", "--no-bake --overwrite" );
     assert_int_equal( done->status, 0 );
     expect_said( done->err, "material 'rough', node 'Bump': normal varies and is not baked (--no-bake)" );
@@ -124,7 +117,7 @@ BLENDER_TEST( test_looks_of_other_rays )
     EXPECT_ALL_SAID( done->err, said );
     assert_null( strstr( done->err, "seen straight on" ) ); // Fresnel's factor is that of the pane
     expect_cycles_mean( "other_rays", 0.8, 1.0 );
-    RfScene scene = convert_load( "other_rays.glb" );
+    AUTO_SCENE scene = convert_load( "other_rays.glb" );
     static const char* const panes[] = { "window", "glass", "facade" };
     for ( size_t i = 0; i < sizeof panes / sizeof panes[0]; ++i )
     {
@@ -134,7 +127,6 @@ BLENDER_TEST( test_looks_of_other_rays )
     }
     const RfMaterial* marble = find_material( &scene, "marble" );
     assert_true( marble->kind == RF_BSDF_GLASS && !marble->thin && fabsf( marble->ior - 1.35f ) < 1e-5f );
-    rf_destroy_scene( &scene );
 }
 
 static void expect_glass( const RfScene* scene, const char* name, bool is_thin )
@@ -190,9 +182,8 @@ BLENDER_TEST( test_surfaces_of_blender_4 )
     assert_null( strstr( done->out, "baked" ) );
     assert_null( strstr( done->err, "warning" ) );
     expect_cycles_mean( "layered", 0.98, 1.02 );
-    RfScene scene = convert_load( "layered.glb" );
+    AUTO_SCENE scene = convert_load( "layered.glb" );
     assert_true( find_material( &scene, "copper" )->specular.x > 0.8f );
-    rf_destroy_scene( &scene );
     done = blender_export( "named", "--bake 64" );
     assert_int_equal( done->status, 0 );
     EXPECT_ALL_SAID( done->err, said );

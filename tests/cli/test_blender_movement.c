@@ -3,10 +3,6 @@
 // Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static void export_scene( const char* name, const char* options )
 {
     blender_make( "movement --samples 64 %s", name );

@@ -7,10 +7,6 @@
 #include "scene/light_groups.h"
 #include "scene/surfaces.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SIZE "64x36"
 #define SAMPLES 128 // of a pixel, traced for the frame itself
 #define SEEDS 8
@@ -49,7 +45,7 @@ BLENDER_TEST( test_names_and_groups_are_carried )
 {
     blender_make( "passes make" );
     export_scene( "passes" );
-    RfScene scene = convert_load( "passes.glb" );
+    AUTO_SCENE scene = convert_load( "passes.glb" );
     static const struct
     {
         const char *name, *asset;
@@ -64,15 +60,13 @@ BLENDER_TEST( test_names_and_groups_are_carried )
     }
     assert_int_equal( find_material( &scene, "Red paint" )->pass_index, 3 );
     assert_int_equal( find_material( &scene, "Blue.001" )->pass_index, 7 );
-    RfLightGroups groups;
+    AUTO_BY( rf_destroy_light_groups ) RfLightGroups groups;
     assert_int_equal( rf_find_light_groups( &scene, "all", &groups, NULL ), RF_OK );
     assert_int_equal( groups.count, 2 ); // all light is in one of them
     assert_string_equal( groups.names[groups.punctual[0]], "fill light" );
     assert_string_equal( groups.names[groups.sky], "fill light" );
     assert_string_equal( groups.names[groups.material[material_index( &scene, "Key" )]], "key" );
     assert_string_equal( groups.names[groups.material[material_index( &scene, "Top" )]], "fill light" );
-    rf_destroy_light_groups( &groups );
-    rf_destroy_scene( &scene );
 }
 
 BLENDER_TEST( test_compositor_takes_the_passes )
@@ -82,10 +76,9 @@ BLENDER_TEST( test_compositor_takes_the_passes )
     assert_string_equal( options, "--aov depth,normal,motion,object_index,material_index,denoise_albedo,denoise_normal "
                                   "--cryptomatte object,material,asset --light-groups all --compression zips --names blender" );
     size_t size;
-    char* said = cli_read( "err", &size );
+    AUTO_FREE char* said = cli_read( "err", &size );
     expect_said( said, "Cryptomatte of 'ViewLayer': 6 levels here, not 8\n" );
     expect_said( said, "passes of 'ViewLayer' that are not rendered here: Mist\n" );
-    free( said );
     cli_expect( cli_run( "$R render passes.glb -o f.####.exr --size " SIZE " --spp %d --group 1 %s --quiet", SAMPLES, options ),
                 0, NULL );
     const char* found = blender_make( "passes look f.0002.exr %d", SAMPLES )->out;
@@ -137,9 +130,8 @@ BLENDER_TEST( test_groups_are_balanced_in_the_compositor )
     expect_said( export_scene( "balanced" ),
                  "--light-groups all --compression dwaa --names blender" ); // --float is refused beside it
     size_t size;
-    char* said = cli_read( "err", &size );
+    AUTO_FREE char* said = cli_read( "err", &size );
     expect_said( said, "files of 'Scene': colours that DWAA compresses have 16 bits\n" );
-    free( said );
     static Means s_split, s_dimmed;
     render_seeds( "passes", 1, "--light-groups all --names blender", &s_split );
     render_seeds( "balanced", 101, "--names blender", &s_dimmed );

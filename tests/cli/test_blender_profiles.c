@@ -3,11 +3,6 @@
 #include "light/punctual.h"
 #include "support/blender_run.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define PI 3.14159265358979324
 #define WATT ( 4.0 * PI / 177.83 ) // of a lamp, for a candela of a file
 
@@ -61,9 +56,8 @@ BLENDER_TEST( test_profiles_are_those_of_cycles )
 {
     blender_make( "profiles lamps" );
     assert_null( strstr( blender_exported( "lamps", "" )->err, "warning" ) );
-    RfScene scene = convert_load( "lamps.glb" );
+    AUTO_SCENE scene = convert_load( "lamps.glb" );
     check_lamps( &scene, blender_is_4() );
-    rf_destroy_scene( &scene );
 }
 
 BLENDER_TEST( test_what_has_no_profile_is_lost_by_name )

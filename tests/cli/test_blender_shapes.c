@@ -7,9 +7,6 @@
 #include "scene/movement.h"
 #include "scene/pose.h"
 
-#include <math.h>
-#include <string.h>
-
 #define SIZE 2.0 // of each object
 #define NEAR ( 1e-5 * SIZE )
 
@@ -44,7 +41,7 @@ static void add_corners( const RfTriangles* t, const RfMat4* matrix, Corner** al
 // The corners of all triangles at a time, by x.
 static size_t pose( const RfScene* scene, double time, Corner** all )
 {
-    RfPosedScene posed = { 0 };
+    AUTO_POSE posed = { 0 };
     RfError error;
     if ( rf_pose_scene( scene, time, &posed, &error ) != RF_OK )
         fail_msg( "%s", error.text );
@@ -57,7 +54,6 @@ static size_t pose( const RfScene* scene, double time, Corner** all )
         if ( placement->shown )
             add_corners( &posed.scene.meshes[placement->mesh].triangles, &placement->matrix, all, &count );
     }
-    rf_destroy_pose( &posed );
     qsort( *all, count, sizeof **all, by_x );
     return count;
 }
@@ -130,12 +126,11 @@ static void expect_blenders( const char* name, RfScene* scene )
     RfError error;
     snprintf( path, sizeof path, "%s.glb", name );
     *scene = convert_load( path );
-    uint8_t* data;
+    AUTO_FREE uint8_t* data;
     size_t size;
     snprintf( path, sizeof path, "%s/%s.bin", cli_folder(), name );
     assert_int_equal( rf_read_file( path, 1 << 30, &data, &size, &error ), RF_OK );
     expect_corners( scene, data, size );
-    free( data );
 }
 
 // Of two keys a target each, and few for normals, which are not linear, in the place of one for each frame; of bones none that

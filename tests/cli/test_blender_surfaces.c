@@ -5,9 +5,6 @@
 
 #include "scene/textured.h"
 
-#include <math.h>
-#include <string.h>
-
 // Makes a scene and its picture by Cycles, and exports it, which the exporter comments.
 static const char* export_scene( const char* scene, const char* options )
 {
@@ -30,12 +27,11 @@ BLENDER_TEST( test_fabrics )
     expect_said( said, "'velvet'" );
     expect_said( said, "sheen: as bright as in Blender in even light" );
     expect_cycles_mean( "fabrics", 0.97, 1.03 );
-    RfScene scene = convert_load( "fabrics.glb" );
+    AUTO_SCENE scene = convert_load( "fabrics.glb" );
     static const char* const names[] = { "cloth", "velvet", "plush" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
         assert_true( find_material( &scene, names[i] )->sheen.x > 0.05f );
     assert_true( find_material( &scene, "plush" )->diffuse.y > 0.4f );
-    rf_destroy_scene( &scene );
 }
 
 // A displacement that is only a bump darkens what is seen and makes it uneven.
@@ -44,11 +40,10 @@ BLENDER_TEST( test_displacement_as_a_bump )
     const char* said = export_scene( "bumps", "--bake 256" );
     assert_null( strstr( said, "isplacement" ) );
     expect_cycles_mean( "bumps", 0.97, 1.03 );
-    RfScene scene = convert_load( "bumps.glb" );
+    AUTO_SCENE scene = convert_load( "bumps.glb" );
     static const char* const names[] = { "wall", "vectors", "both" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
         assert_true( find_material( &scene, names[i] )->textured->refs[RF_TEXTURE_NORMAL].texture >= 0 );
-    rf_destroy_scene( &scene );
 }
 
 static bool has_texture( const RfScene* scene, const char* name, RfTextureSlot slot )
@@ -65,7 +60,7 @@ BLENDER_TEST( test_brushed_metal_and_coats )
     expect_said( said, "'coat', node 'Principled BSDF': a clear coat with a normal of its own" );
     assert_true( is_4 == ( strstr( said, "'coat', node 'Principled BSDF': a thin film: up to" ) != NULL ) );
     expect_cycles_mean( "brushed", 0.97, 1.03 );
-    RfScene scene = convert_load( "brushed.glb" );
+    AUTO_SCENE scene = convert_load( "brushed.glb" );
     assert_true( has_texture( &scene, "around", RF_TEXTURE_ANISOTROPY ) &&
                  has_texture( &scene, "turned", RF_TEXTURE_ANISOTROPY ) );
     assert_false( has_texture( &scene, "along", RF_TEXTURE_ANISOTROPY ) );
@@ -76,7 +71,6 @@ BLENDER_TEST( test_brushed_metal_and_coats )
     float wide = along->alpha + ( 1.0f - along->alpha ) * along->anisotropy * along->anisotropy;
     assert_true( fabsf( along->alpha - 0.064f ) < 1e-3f && fabsf( wide - 0.4f ) < 1e-3f &&
                  fabsf( along->stretch_x - 1.0f ) < 1e-5f );
-    rf_destroy_scene( &scene );
 }
 
 // What shines through has the texture of the base, or one of its own.
@@ -84,7 +78,7 @@ BLENDER_TEST( test_leaves )
 {
     assert_null( strstr( export_scene( "leaves", "--bake 128" ), "warning" ) );
     expect_cycles_mean( "leaves", 0.98, 1.02 );
-    RfScene scene = convert_load( "leaves.glb" );
+    AUTO_SCENE scene = convert_load( "leaves.glb" );
     static const char* const names[] = { "blind", "leaf" };
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
@@ -92,7 +86,6 @@ BLENDER_TEST( test_leaves )
         assert_true( has_texture( &scene, names[i], RF_TEXTURE_BASE ) &&
                      has_texture( &scene, names[i], RF_TEXTURE_THROUGH_COLOR ) );
     }
-    rf_destroy_scene( &scene );
 }
 
 // The picture is Cycles' to its noise: without displacement relMSE would be 0.26.
@@ -101,7 +94,6 @@ BLENDER_TEST( test_displacement_of_vertices )
     assert_null( strstr( export_scene( "displaced", "--bake 128" ), "warning" ) );
     expect_cycles_mean( "displaced", 0.97, 1.03 );
     cli_run( "$R compare displaced.r.exr displaced-1.exr --json error.json" );
-    json_t* json = cli_read_json( "error.json" );
+    json_auto_t* json = cli_read_json( "error.json" );
     assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 0.03 );
-    json_decref( json );
 }

@@ -6,11 +6,6 @@
 #include "scene/pose.h"
 #include "scene/textured.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define FRAMES 5
 
 static void make_and_export( const char* scene, const char* options )
@@ -78,19 +73,17 @@ static void compare( const char* scene, double room )
 BLENDER_TEST( test_numbers_of_shaders )
 {
     make_and_export( "surfaces", "" );
-    RfScene scene = convert_load( "surfaces.glb" );
+    AUTO_SCENE scene = convert_load( "surfaces.glb" );
     double red = 0.8;
     for ( int frame = 1; frame <= FRAMES; ++frame )
     {
-        RfPosedScene posed = { 0 };
+        AUTO_POSE posed = { 0 };
         pose( &scene, frame, &posed );
         if ( frame == 1 )
             red = factors_of( &posed, "paint" )->base[0]; // whose diffuse part is a little darker in Blender 3
         check_surfaces( &posed, frame, red );
-        rf_destroy_pose( &posed );
     }
     assert_true( fabs( red - 0.8 ) < 0.01 );
-    rf_destroy_scene( &scene );
 }
 
 BLENDER_TEST( test_pictures_that_change )
@@ -111,15 +104,13 @@ static void check_sky( const RfPosedScene* posed, int frame )
 
 static void check_frames( const char* scene, void ( *check )( const RfPosedScene* posed, int frame ) )
 {
-    RfScene loaded = convert_load( scene );
+    AUTO_SCENE loaded = convert_load( scene );
     for ( int frame = 1; frame <= FRAMES; ++frame )
     {
-        RfPosedScene posed = { 0 };
+        AUTO_POSE posed = { 0 };
         pose( &loaded, frame, &posed );
         check( &posed, frame );
-        rf_destroy_pose( &posed );
     }
-    rf_destroy_scene( &loaded );
 }
 
 BLENDER_TEST( test_worlds )

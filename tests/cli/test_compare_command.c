@@ -7,11 +7,10 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 
 static void write_constant( const char* name, int side, float value )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error;
     assert_int_equal( rf_create_image( side, side, &image, &error ), RF_OK );
     for ( int i = 0; i < 3 * side * side; ++i )
@@ -19,7 +18,6 @@ static void write_constant( const char* name, int side, float value )
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
     assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, &error ), RF_OK );
-    rf_destroy_image( &image );
 }
 
 // Runs compare; further arguments up to NULL.
@@ -40,7 +38,7 @@ TEST( test_two_files_give_exact_figures )
     write_constant( "a.exr", 40, 0.75f );
     write_constant( "b.exr", 40, 0.5f );
     assert_int_equal( compare( "a.exr", "b.exr", "--diff", cli_path( "d.exr" ), NULL ), 0 );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     assert_true( fabs( number( json, "relmse" ) - 0.1875 / 0.251 ) < 1e-8 );
     assert_true( fabs( number( json, "relmse_trimmed" ) - 0.1875 / 0.251 ) < 1e-8 );
     assert_true( number( json, "mse" ) == 0.0625 && number( json, "bias" ) == 0.25 && number( json, "max" ) == 0.25 );
@@ -49,11 +47,9 @@ TEST( test_two_files_give_exact_figures )
     const json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 1 );
     assert_true( number( json_array_get( frames, 0 ), "frame" ) == 1.0 );
-    json_decref( json );
-    RfImage diff;
+    AUTO_IMAGE diff;
     assert_int_equal( rf_read_exr( cli_path( "d.exr" ), &diff, NULL ), RF_OK );
     assert_true( diff.rgb[0] == 0.25f && diff.rgb[3 * 1600 - 1] == 0.25f );
-    rf_destroy_image( &diff );
 }
 
 TEST( test_sequences_are_pooled )
@@ -124,11 +120,10 @@ static void write_foreign( const char* name, const Foreign* parts, int count )
 
 static void check_number( const char* key, double wanted )
 {
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     double value = number( json, key );
     if ( !( fabs( value - wanted ) <= 1e-8 * fabs( wanted ) ) )
         fail_msg( "%s: %.12g, not %.12g", key, value, wanted );
-    json_decref( json );
 }
 
 // Layers by name, half and float, several parts.
@@ -202,18 +197,15 @@ TEST( test_data_windows_must_agree_or_overlap )
     check_failed( compare( "wa.exr", "wb.exr", NULL ), 1, "the data windows differ" );
     check_done( compare( "wa.exr", "wb.exr", "--overlap", "--diff", cli_path( "w.exr" ), NULL ) );
     check_number( "bias", -2.0 );
-    RfImage diff;
+    AUTO_IMAGE diff;
     assert_int_equal( rf_read_exr( cli_path( "w.exr" ), &diff, NULL ), RF_OK );
     assert_true( diff.width == 15 && diff.height == 10 && diff.rgb[0] == -2.0f );
-    rf_destroy_image( &diff );
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     assert_int_equal( rf_read_exr_header( cli_path( "w.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.x == 0 && header.y == 3 && header.width == 15 && header.height == 10 ); // where the pixels were
-    rf_destroy_exr_header( &header );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     const json_t* worst = json_object_get( json, "worst" );
     assert_true( number( worst, "x" ) == 0.0 && number( worst, "y" ) == 3.0 );
-    json_decref( json );
     b.width = 21;
     b.x = -5;
     write_foreign( "wb.exr", &b, 1 );
@@ -222,7 +214,7 @@ TEST( test_data_windows_must_agree_or_overlap )
     write_foreign( "wb.exr", &b, 1 );
     check_failed( compare( "wa.exr", "wb.exr", "--overlap", NULL ), 1, "no pixel in common" );
     // what is cropped is what lies there
-    RfImage image, part;
+    AUTO_IMAGE image, part;
     assert_int_equal( rf_create_image( 20, 10, &image, NULL ), RF_OK );
     assert_int_equal( rf_create_image( 8, 4, &part, NULL ), RF_OK );
     for ( int i = 0; i < 600; ++i )
@@ -235,8 +227,6 @@ TEST( test_data_windows_must_agree_or_overlap )
     assert_int_equal( rf_write_exr( cli_path( "wb.exr" ), &part, &options, NULL ), RF_OK );
     check_done( compare( "wa.exr", "wb.exr", "--overlap", NULL ) );
     check_number( "max", 0.0 );
-    rf_destroy_image( &image );
-    rf_destroy_image( &part );
 }
 
 TEST( test_only_chosen_frames_are_wanted )
@@ -253,10 +243,9 @@ TEST( test_only_chosen_frames_are_wanted )
     check_failed( compare( "ca.#.exr", "cb.#.exr", NULL ), 1, "frame 2 is in" );
     check_done( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", NULL ) );
     check_number( "bias", 2.5 );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     assert_true( number( json_object_get( json, "worst" ), "frame" ) == 4.0 );
     assert_non_null( strstr( json_string_value( json_object_get( json, "verdict" ) ), "in frame 4" ) );
-    json_decref( json );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1-3", NULL ), 1, "frame 2 is missing" );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );

@@ -8,7 +8,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 
 enum
 {
@@ -47,7 +46,7 @@ static const char* frame_name( const char* pattern, int frame )
 static void write_stripes( const char* pattern, int frame, bool has_motion )
 {
     static float motion[2][WIDTH * HEIGHT], depth[WIDTH * HEIGHT];
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
     assert_int_equal( rf_create_image( WIDTH, HEIGHT, &image, &error ), RF_OK );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
@@ -71,7 +70,6 @@ static void write_stripes( const char* pattern, int frame, bool has_motion )
     options.channel_count = has_motion ? 3 : 0;
     if ( rf_write_exr( cli_path( frame_name( pattern, frame ) ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
 }
 
 static void write_reference( const char* pattern, int frame )
@@ -139,13 +137,12 @@ TEST( test_pairs_without_motion_are_left_out )
         write_reference( "r.#.exr", frame );
     }
     check_done( flicker( "s.#.exr", "--reference", cli_path( "r.#.exr" ), NULL ) );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     const json_t* pairs = json_object_get( json, "pairs" );
     check_number( json, "phi", 2.0 );
     check_number( json_object_get( json, "followed" ), "pairs", 1.0 );
     for ( size_t i = 0; i < 4; ++i ) // depth of both is wanted too
         assert_true( json_is_object( json_object_get( json_array_get( pairs, i ), "followed" ) ) == ( i == 1 ) );
-    json_decref( json );
     check_failed( flicker( "s.#.exr", "--reference", cli_path( "r.#.exr" ), "--compensate", NULL ), 1,
                   "s.1.exr: has no motion layer" );
     check_failed( flicker( "s.#.exr", "--frames", "2-5", NULL ), 1, "s.4.exr: has no channel motion.X" );
@@ -234,10 +231,9 @@ TEST( test_layers_of_the_measured_view )
     for ( int k = 0; k < 2; ++k )
     {
         check_done( flicker( "v.#.exr", k == 1 ? "--layer" : NULL, "right", NULL ) );
-        json_t* json = load_json();
+        json_auto_t* json = load_json();
         check_number( json, "f1", k == 0 ? 1.0 : 3.0 );
         check_number( json, "motion", k == 0 ? 5.0 : 10.0 );
-        json_decref( json );
     }
     Foreign both[2] = {
         { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
@@ -249,9 +245,8 @@ TEST( test_layers_of_the_measured_view )
     check_done( flicker( "v.#.exr", "--motion", "m.a.motion.X,b.motion.Y", NULL ) );
     // beside the plain figures it is no failure
     check_done( flicker( "v.#.exr", "--reference", cli_path( "v.#.exr" ), NULL ) );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     assert_null( json_object_get( json, "followed" ) );
-    json_decref( json );
     check_failed( flicker( "v.#.exr", "--reference", cli_path( "v.#.exr" ), "--depth", "R", NULL ), 1, "choose by --motion" );
 }
 

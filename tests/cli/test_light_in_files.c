@@ -3,10 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 
 #define SMALL "--size 24x18 --spp 8 --group 0 --quiet"
@@ -16,12 +12,11 @@ static json_int_t clipped_pixels( const char* options, const char* wanted )
 {
     const CliResult* result = cli_run( "$R render bright.json -o h.####.exr --overwrite " SMALL " --json h.json %s", options );
     cli_expect( result, 0, wanted );
-    json_t* json = cli_read_json( "h.json" );
+    json_auto_t* json = cli_read_json( "h.json" );
     json_int_t pixels = json_integer_value( json_object_get( json, "clipped_pixels" ) );
     const json_t* frame = json_array_get( json_object_get( json, "frames" ), 0 );
     assert_int_equal( json_integer_value( json_object_get( frame, "clipped_pixels" ) ), pixels );
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), wanted != NULL );
-    json_decref( json );
     return pixels;
 }
 
@@ -50,9 +45,8 @@ TEST( test_clipped_pixels_are_named )
     }
     cli_expect( cli_run( "rm h.json && $R report h.####.exr -o page.html" ), 0, NULL );
     size_t size;
-    char* page = cli_read( "page.html", &size );
+    AUTO_FREE char* page = cli_read( "page.html", &size );
     assert_non_null( strstr( page, "clipped by the range of the file" ) );
-    free( page );
     // DWA ends sooner, and only the header tells
     if ( rf_has_dwa() )
     {
@@ -86,9 +80,8 @@ static double difference( const char* a, const char* b, const char* layer )
 {
     const CliResult* result = cli_run( "$R compare %s %s --json - %s %s", a, b, layer[0] != '\0' ? "--layer" : "", layer );
     cli_expect( result, 0, NULL );
-    json_t* json = json_loads( result->out, 0, NULL );
+    json_auto_t* json = json_loads( result->out, 0, NULL );
     double most = number( json, "max" ) / number( json, "reference_mean" );
-    json_decref( json );
     return most;
 }
 

@@ -3,11 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 #include "output/pass_names.h"
 
@@ -22,7 +17,7 @@ static void compare_pass( const char* pass, const char* letters )
         RfPassChannel own;
         RfExrWindow window;
         rf_name_pass_channel( RF_NAMES_REFRAME, pass, letters, i, &own );
-        float* wanted = cli_read_channel( files[0], own.name, &window );
+        AUTO_FREE float* wanted = cli_read_channel( files[0], own.name, &window );
         for ( int n = RF_NAMES_BLENDER; n <= RF_NAMES_NUKE; ++n )
         {
             for ( int k = 0; letters[k] != '\0'; ++k )
@@ -31,13 +26,11 @@ static void compare_pass( const char* pass, const char* letters )
                 rf_name_pass_channel( (RfPassNames)n, pass, letters, k, &channel );
                 if ( channel.component != i )
                     continue;
-                float* values = cli_read_channel( files[n], channel.name, &window );
+                AUTO_FREE float* values = cli_read_channel( files[n], channel.name, &window );
                 for ( int p = 0; p < window.width * window.height; ++p )
                     assert_true( values[p] == ( channel.negated ? -wanted[p] : wanted[p] ) );
-                free( values );
             }
         }
-        free( wanted );
     }
 }
 
@@ -117,13 +110,12 @@ TEST( test_motion_is_blenders )
     size_t size, used = 0;
     add_gltf_floats( &b, "VEC3", 3, 4, wall );
     add_gltf_u16( &b, 6, faces );
-    uint8_t* bytes =
+    AUTO_FREE uint8_t* bytes =
         build_glb( &b,
                    "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"emissiveFactor\":[1,1,1]}],\"meshes\":[{\"primitives\":"
                    "[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]",
                    &size );
     cli_write( "wall.glb", bytes, size );
-    free( bytes );
     for ( int f = 1; f <= 10; ++f )
         used += (size_t)snprintf( keys + used, sizeof keys - used,
                                   "%s{\"frame\":%d,\"position\":[%.4f,%.4f,7],\"target\":[%.4f,%.4f,0]}", f > 1 ? "," : "", f,
@@ -142,13 +134,12 @@ TEST( test_motion_is_blenders )
         for ( int c = 0; c < 4; ++c )
         {
             RfExrWindow window;
-            float* values = cli_read_channel( "m.exr", cases[i].channel[c], &window );
+            AUTO_FREE float* values = cli_read_channel( "m.exr", cases[i].channel[c], &window );
             for ( int p = 0; p < 64 * 36; ++p )
             {
                 if ( fabsf( values[p] - cases[i].wanted[c] ) > 1e-4f )
                     fail_msg( "%s is %g", cases[i].channel[c], (double)values[p] );
             }
-            free( values );
         }
     }
 }
@@ -327,13 +318,12 @@ TEST( test_matrices_say_where_things_are )
     size_t size;
     add_gltf_floats( &b, "VEC3", 3, 4, spot );
     add_gltf_u16( &b, 6, faces );
-    uint8_t* bytes =
+    AUTO_FREE uint8_t* bytes =
         build_glb( &b,
                    "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"emissiveFactor\":[1,1,1]}],\"meshes\":[{\"primitives\":"
                    "[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]",
                    &size );
     cli_write( "spot.glb", bytes, size );
-    free( bytes );
     for ( size_t i = 0; i < 2 * sizeof cameras / sizeof cameras[0]; ++i )
     {
         char text[512];
@@ -348,7 +338,7 @@ TEST( test_matrices_say_where_things_are )
                      i % 2 != 0 ? "--overscan 6" : "" ),
             0, NULL );
         RfExrWindow w;
-        float* red = cli_read_channel( "s.exr", "R", &w );
+        AUTO_FREE float* red = cli_read_channel( "s.exr", "R", &w );
         double sum = 0.0, x = 0.0, y = 0.0, at[2];
         for ( int k = 0; k < w.width * w.height; ++k )
         {
@@ -356,7 +346,6 @@ TEST( test_matrices_say_where_things_are )
             x += (double)red[k] * ( w.x + k % w.width + 0.5 );
             y += (double)red[k] * ( w.y + k / w.width + 0.5 );
         }
-        free( red );
         Standard s = read_standard( "s.exr" );
         static const double middle[3] = { 0.5, 0.25, -3.0 };
         assert_true( s.has_ndc && sum > 4.0 );

@@ -8,9 +8,6 @@
 
 #include <dirent.h>
 #include <jansson.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 
 #define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
 
@@ -294,7 +291,7 @@ static void expect_words( const json_t* schema, const RfOption* option )
 // A scene file may give what the command line may.
 TEST( test_schema_has_the_limits_of_the_options )
 {
-    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    json_auto_t* schema = load_schema( "scenes/scene.schema.json" );
     const json_t* render = json_object_get( json_object_get( schema, "properties" ), "render" );
     int checked = 0;
     for ( int i = 0; i < rf_render_table.option_count; ++i )
@@ -319,7 +316,6 @@ TEST( test_schema_has_the_limits_of_the_options )
             expect_words( property, option );
     }
     assert_true( checked > 20 );
-    json_decref( schema );
 }
 
 // A number at a limit of the schema is read, one beyond is not.
@@ -348,7 +344,7 @@ TEST( test_schema_has_the_limits_of_keys )
         { "time", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":%.17g,\"strength\":1}]}" },
         { "frame", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":%.17g,\"strength\":1}]}" },
     };
-    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    json_auto_t* schema = load_schema( "scenes/scene.schema.json" );
     for ( size_t i = 0; i < sizeof keyed / sizeof keyed[0]; ++i )
     {
         const json_t* definition = json_object_get( json_object_get( schema, "$defs" ), keyed[i][0] );
@@ -358,7 +354,6 @@ TEST( test_schema_has_the_limits_of_keys )
         expect_limit( keyed[i][1], low, low - 0.5 );
         expect_limit( keyed[i][1], high, high * 1.01 );
     }
-    json_decref( schema );
 }
 
 static int count_examples( const char* folder, const char* command )

@@ -3,8 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 #define WIDTH 5
 #define HEIGHT 3
 #define PIXELS ( WIDTH * HEIGHT )

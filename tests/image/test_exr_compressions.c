@@ -6,7 +6,6 @@
 #include "support/openexr_file.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <sys/wait.h>
 
 #define WIDTH 75
@@ -123,7 +122,7 @@ static void check_file( const char* path, double level, bool half )
     {
         RfExrWindow window;
         RfError error;
-        float* ours = NULL;
+        AUTO_FREE float* ours = NULL;
         assert_int_equal( rf_read_exr_channels( path, &s_channels[c].name, 1, &window, &ours, &error ), RF_OK );
         assert_true( window.x == -3 && window.y == 9 && window.width == WIDTH && window.height == HEIGHT );
 #ifdef REFRAME_DWA
@@ -136,7 +135,6 @@ static void check_file( const char* path, double level, bool half )
             check_colour( library, c, level, half );
         else
             assert_memory_equal( library, s_values[c], sizeof library );
-        free( ours );
     }
 }
 
@@ -150,14 +148,13 @@ static bool run_tool( const char* tool, const char* arguments, const char* wante
     size_t size;
     if ( WIFEXITED( status ) && WEXITSTATUS( status ) == 77 )
         return true;
-    char* text = cli_read( "tool.txt", &size );
+    AUTO_FREE char* text = cli_read( "tool.txt", &size );
     text[size] = '\0';
     bool works = strstr( text, "ERROR" ) == NULL && ( wanted == NULL || strstr( text, wanted ) != NULL );
     // exrinfo 3.1.5 leaves with any status
     works = works && ( strcmp( tool, "exrinfo" ) == 0 ? WIFEXITED( status ) : status == 0 );
     if ( !works )
         print_error( "%s\n%s\n", line, text );
-    free( text );
     return works;
 }
 
@@ -215,13 +212,12 @@ TEST( test_foreign_dwa_is_read )
         {
             RfExrWindow window;
             RfError error;
-            float* ours = NULL;
+            AUTO_FREE float* ours = NULL;
             assert_int_equal( rf_read_exr_channels( path, names + c, 1, &window, &ours, &error ), RF_OK );
             assert_true( read_by_openexr( path, names[c], WIDTH, HEIGHT, library ) );
             assert_memory_equal( library, ours, sizeof library );
             for ( int i = 0; i < PIXELS && c == 0; ++i )
                 assert_true( ours[i] == s_rgb[3 * i] ); // Z is kept
-            free( ours );
         }
     }
 }
@@ -270,11 +266,10 @@ TEST( test_broken_dwa_is_one_line )
         size_t size;
         if ( round % 100 == 0 )
             assert_int_equal( write_all( cli_path( "whole.exr" ), RF_EXR_DWAA, 45.0f, round == 0, true, &error ), RF_OK );
-        char* bytes = cli_read( "whole.exr", &size );
+        AUTO_FREE char* bytes = cli_read( "whole.exr", &size );
         for ( int k = 0; k < 1 + round % 7; ++k )
             bytes[next_random( &seed ) % size] = (char)next_random( &seed );
         cli_write( "broken.exr", bytes, round % 3 == 0 ? next_random( &seed ) % size : size );
-        free( bytes );
         RfImage image;
         error.text[0] = '\0';
         if ( rf_read_exr( cli_path( "broken.exr" ), &image, &error ) == RF_OK )

@@ -4,8 +4,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 enum
 {
     SIDE = 4,
@@ -17,7 +15,7 @@ static const float s_values[PIXELS] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 1
 // A file with colour and these channels.
 static void write_channels( const char* path, const char* const* names, int count )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     assert_int_equal( rf_create_image( SIDE, SIDE, &image, NULL ), RF_OK );
     RfExrChannel channels[64];
     RfExrOptions options = rf_default_exr_options();
@@ -26,19 +24,17 @@ static void write_channels( const char* path, const char* const* names, int coun
     options.channels = channels;
     options.channel_count = count;
     assert_int_equal( rf_write_exr( path, &image, &options, NULL ), RF_OK );
-    rf_destroy_image( &image );
 }
 
 // The names of the passes of a file.
 static void list_names( const char* path, char* text, size_t size )
 {
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     RfFilePasses passes;
     assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
     assert_int_equal( rf_list_passes( &header, &passes, NULL ), RF_OK );
     rf_name_passes( &passes, text, size );
     rf_free_passes( &passes );
-    rf_destroy_exr_header( &header );
 }
 
 static void check_names( const char* path, const char* wanted )
@@ -142,10 +138,9 @@ TEST( test_parts )
     write_foreign_exr( path, parts, (int)( sizeof parts / sizeof parts[0] ) );
     check_names( path, "depth, alpha, light_key, again.light_key, CryptoObject" );
     char layer[RF_PASS_LAYER_SIZE];
-    RfImage image;
+    AUTO_IMAGE image;
     RfExrWindow window;
     assert_int_equal( rf_read_exr_layer( path, rf_layer_of_file( path, "light_key", layer ), &image, &window, NULL ), RF_OK );
-    rf_destroy_image( &image );
 }
 
 static void draw( const char* name, RfLook look, int channels, const float* values, int pixels, float* rgb )

@@ -1,10 +1,5 @@
 #include "support/blender_run.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 bool enter_with_blender( void )
 {
     cli_enter();

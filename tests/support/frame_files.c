@@ -4,11 +4,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 RfFlickerFrame make_frame( int number )
 {
     RfFlickerFrame frame = { .number = number, .is_finite = true };

@@ -3,10 +3,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Memory of results, as a list.
 typedef struct Held
 {

@@ -6,11 +6,6 @@
 #include "support/image_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 GltfFolder make_folder( void )

@@ -23,6 +23,8 @@
 
 #include <cmocka.h>
 
+#include "support/owned.h"
+
 #define TEST( name ) TEST_WITHIN( name, NULL, NULL )
 
 // With functions that are called before and after it.
