@@ -191,7 +191,7 @@ TEST( test_frames_beside_a_cut )
 // A noise or a flicker to stop at: what is known of one shot says nothing of the next.
 TEST( test_goals_beside_a_cut )
 {
-    Stage c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     for ( int flicker = 0; flicker < 2; ++flicker )
     {
@@ -203,7 +203,6 @@ TEST( test_goals_beside_a_cut )
         assert_same( render_stage( &c, &settings ), first, FIRST );
         assert_int_equal( c.stats.missed + c.stats.flicker_missed, 0 );
     }
-    close_stage( &c );
 }
 
 static double mean_square( const RfFrameResult* a, const RfFrameResult* b )
@@ -221,9 +220,9 @@ static double mean_square( const RfFrameResult* a, const RfFrameResult* b )
 // The second shot has other random numbers than alone, but the same picture and as much noise.
 TEST( test_second_shot_is_as_alone )
 {
-    Stage c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_DIFFUSE, 0.05 );
-    Stage second;
+    AUTO_BY( close_stage ) Stage second;
     open_stage_before( &second, make_room( ROOM_DIFFUSE ), c.eyes + FIRST, SECOND );
     RfRenderSettings settings = settings_of( 1, "3x3" );
     double apart[2] = { 0 };
@@ -241,14 +240,12 @@ TEST( test_second_shot_is_as_alone )
     }
     print_message( "cut over alone: %.3f\n", apart[0] / apart[1] );
     assert_true( apart[0] > 0.8 * apart[1] && apart[0] < 1.25 * apart[1] );
-    close_stage( &second );
-    close_stage( &c );
 }
 
 // Motion of the frames beside the cut, as it is at the ends of a path.
 TEST( test_no_motion_across_a_cut )
 {
-    Stage c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     RfRenderSettings settings = settings_of( 1, "1" );
     settings.spp = 3;
@@ -256,19 +253,18 @@ TEST( test_no_motion_across_a_cut )
     const RfFrameResult *whole = render_stage( &c, &settings ), *other = render_other( &c, &settings );
     assert_same( whole, render_first( &c, &settings ), FIRST );
     assert_same( whole + FIRST, other + FIRST, SECOND );
-    close_stage( &c );
 }
 
 // Short renders that tune and cost measure lie within a shot where that is long enough, and have its groups where it is not.
 TEST( test_trials_beside_a_cut )
 {
-    Stage c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     RfShot shot = stage_shot( &c, NULL, 0 );
     for ( int frames = 5; frames <= 9; frames += 4 )
     {
         RfRenderSettings settings = settings_of( frames / 2, "3x3" );
-        RfTestRegion region;
+        AUTO_BY( rf_destroy_test_region ) RfTestRegion region;
         RfTestSite site = { FIRST, frames, WIDTH * HEIGHT };
         RfTrial trial;
         assert_int_equal( rf_create_test_region( &shot, NULL, &site, &settings, &region, NULL ), RF_OK );
@@ -276,17 +272,14 @@ TEST( test_trials_beside_a_cut )
         assert_int_equal( region.frames, frames );
         assert_int_equal( rf_run_trial( &region, 1, 2, &settings, &trial, NULL ), RF_OK );
         assert_true( trial.samples > 0.0 && isfinite( trial.relmse ) );
-        rf_destroy_test_region( &region );
     }
-    close_stage( &c );
 }
 
 TEST( test_shots_must_not_fall )
 {
-    Stage c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     RfRenderSettings settings = settings_of( 1, "1" );
     c.eyes[ALL - 1].shot = 1;
     expect_refused( &c, &settings, "frame 12" );
-    close_stage( &c );
 }

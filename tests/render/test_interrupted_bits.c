@@ -317,10 +317,9 @@ TEST( test_long_renders_and_sweeps )
     check_case( &longer );
     Case sweeps = { "sweeps", settings_of( 2, 6, "1", 0 ), make_room( ROOM_DIFFUSE ), true };
     sweeps.settings.threads = 1;
-    Stage stage;
+    AUTO_BY( close_stage ) Stage stage;
     open_stage( &stage, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
     sweeps.settings.memory = least_memory( &stage, 0, EYES, &sweeps.settings );
-    close_stage( &stage );
     check_case( &sweeps );
 }
 

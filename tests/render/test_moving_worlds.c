@@ -114,7 +114,7 @@ static void assert_motion( const RfFrameResult* frame, int x, int y, int channel
 
 TEST( test_motion_of_what_slides )
 {
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0 } ), 5, 0.0 );
     double step = pixels_per_m( s.eyes );
     for ( int i = 0; i < 6; ++i )
@@ -135,13 +135,12 @@ TEST( test_motion_of_what_slides )
                 assert_motion( kept + k, 0, 0, c, 0.0, 0.0 ); // the wall, which stands still before an eye that does
         }
     }
-    close_stage( &s );
 }
 
 // Eye and plate move alike: to the film it rests, while the wall moves.
 TEST( test_an_eye_that_goes_along )
 {
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, 0, 0 } ), 3, 0.0 );
     for ( int i = 0; i < 3; ++i )
         s.eyes[i].origin.x = 0.2f * (float)i;
@@ -150,7 +149,6 @@ TEST( test_an_eye_that_goes_along )
     assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, 0, 0.0, 1e-4 );
     assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, 2, 0.0, 1e-4 );
     assert_motion( kept + 1, 0, 0, 2, -0.2 * (double)s.eyes[0].focal / 9.0, 1e-3 );
-    close_stage( &s );
 }
 
 // It is gone in the second frame: there is nowhere to follow it to.
@@ -159,7 +157,7 @@ TEST( test_motion_of_what_vanishes )
     GltfBuilder b = make_plate();
     static const float s_scales[] = { 1, 1, 1, 0, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s,
                  gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0" )
                                           MOVED( "1", "scale", "STEP" ) ),
@@ -168,7 +166,6 @@ TEST( test_motion_of_what_vanishes )
     const RfFrameResult* kept = render_stage( &s, &settings );
     for ( int c = 0; c < 4; ++c )
         assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, c, 0.0, 0.0 );
-    close_stage( &s );
 }
 
 // x grows by y, by a morph target: 0.1 y each second.
@@ -181,7 +178,7 @@ TEST( test_motion_of_what_changes_its_shape )
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0,\"targets\":[{\"POSITION\":5}]" )
                 MOVED( "1", "weights", "LINEAR" ) );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 3, 0.0 );
     RfRenderSettings settings = moving_settings( 1, 5 );
     const RfFrameResult* kept = render_stage( &s, &settings );
@@ -193,7 +190,6 @@ TEST( test_motion_of_what_changes_its_shape )
         assert_motion( kept + 1, WIDTH / 2, y, 2, 0.1 * at[1] * pixels_per_m( s.eyes ), 0.05 );
         assert_motion( kept + 1, WIDTH / 2, y, 3, 0.0, 1e-3 );
     }
-    close_stage( &s );
 }
 
 // A joint mirrors the plate from one frame to the next, which turns its triangles over.
@@ -208,7 +204,7 @@ TEST( test_motion_of_a_skin_that_is_turned_over )
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"skin\":0},{}],\"skins\":[{\"joints\":[2]}]," MESHES(
                 ",\"JOINTS_0\":5,\"WEIGHTS_0\":6},\"indices\":1,\"material\":0" ) MOVED( "2", "scale", "STEP" ) );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 2, 3.0 );
     RfRenderSettings settings = moving_settings( 1, 5 );
     const RfFrameResult* kept = render_stage( &s, &settings );
@@ -222,7 +218,6 @@ TEST( test_motion_of_a_skin_that_is_turned_over )
             assert_motion( kept + frame, x, HEIGHT / 2 + 5, 3 - 2 * frame, 0.0, 1e-3 );
         }
     }
-    close_stage( &s );
 }
 
 // ---- Which frames are asked for -------------------------------------------------
@@ -251,7 +246,7 @@ static void check_parts( Stage* s, const RfRenderSettings* settings, int steps )
 
 TEST( test_a_frame_alone_is_that_of_its_sequence )
 {
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0.5f } ), 7, 0.0 );
     for ( int kind = 0; kind < 9; ++kind )
     {
@@ -261,7 +256,6 @@ TEST( test_a_frame_alone_is_that_of_its_sequence )
         settings.threads = 1 + kind % 2;
         check_parts( &s, &settings, kind < 6 ? 0 : 2 );
     }
-    close_stage( &s );
 }
 
 // A mirror that grows: light paths are aimed at where it is in their own frame.
@@ -278,7 +272,7 @@ TEST( test_light_paths_by_a_mirror_that_grows )
                                                    "\"material\":2}]}]," MOVED( "1", "scale", "LINEAR" ) );
     RfRenderSettings settings = moving_settings( 0, 2 );
     settings.light_paths = RF_LIGHT_PATHS_ON;
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 7, 0.0 );
     check_parts( &s, &settings, 0 );
     settings.group = 1;
@@ -292,7 +286,6 @@ TEST( test_light_paths_by_a_mirror_that_grows )
     s.eyes->blur_steps = RF_MAX_BLUR_STEPS + 1;
     settings.light_paths = RF_LIGHT_PATHS_AUTO;
     expect_refused( &s, &settings, "" );
-    close_stage( &s );
 }
 
 // The wall brightens while the plate slides: it is as bright as in the middle of the shutter, in which moment that lies or not.
@@ -310,7 +303,7 @@ TEST( test_light_of_the_middle_of_a_shutter )
                                                    "{\"sampler\":1,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_"
                                                    "animation_pointer\":{"
                                                    "\"pointer\":\"/materials/1/emissiveFactor\"}}}}]}]" );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 1, 2.0 );
     RfRenderSettings settings = moving_settings( 0, 1 );
     settings.max_depth = 1;
@@ -319,7 +312,6 @@ TEST( test_light_of_the_middle_of_a_shutter )
         open_eye( s.eyes, 1.0, steps );
         assert_float_equal( render_one( &s, 0, &settings )->rgb[0], 0.5, 1e-5 );
     }
-    close_stage( &s );
 }
 
 // ---- Plan and pilot -------------------------------------------------------------
@@ -380,7 +372,7 @@ TEST( test_pilots_see_light_that_no_other_frame_has )
             "},\"indices\":1,\"material\":0" ) ",{\"primitives\":[{\"attributes\":{\"POSITION\":2},"
                                                "\"indices\":1,\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}"
                                                ",\"indices\":1,\"material\":1}]}]," MOVED( "1", "translation", "LINEAR" ) );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 7, 0.0 );
     for ( int i = 0; i < 7; ++i )
         s.eyes[i].time = 0.6 * i;
@@ -392,14 +384,13 @@ TEST( test_pilots_see_light_that_no_other_frame_has )
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
         samples[i % WIDTH >= WIDTH / 2] += (double)kept[i];
     assert_true( samples[1] > 1.02 * samples[0] );
-    close_stage( &s );
 }
 
 // ---- Memory ---------------------------------------------------------------------
 
 TEST( test_the_budget_counts_what_moves )
 {
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, 0, 0 } ), 9, 0.0 );
     RfRenderSettings settings = moving_settings( 1, 3 );
     size_t five = rf_worlds_bytes( &s.scene, 5, 0 ), three = rf_worlds_bytes( &s.scene, 3, 0 );
@@ -424,7 +415,6 @@ TEST( test_the_budget_counts_what_moves )
     settings.memory = fit.least - 1024;
     assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_MEMORY );
     assert_true( error.least_memory == fit.least );
-    close_stage( &s );
 }
 
 // A strip of squares that a morph target moves, and `count` of it.
@@ -475,9 +465,9 @@ TEST( test_embree_holds_no_more_than_counted )
         RfScene scene = kind == 0   ? load_strips( 100, 1 )
                         : kind == 1 ? load_strips( 2, 60 )
                                     : load_sliding( ( const float[3] ){ 1, 0, 0 } );
-        Stage s;
+        AUTO_BY( close_stage ) Stage s;
         RfError error;
-        RfWorlds worlds;
+        AUTO_BY( rf_destroy_worlds ) RfWorlds worlds;
         open_plates( &s, scene, 12, 0.0 );
         for ( int k = 0; k < 12; ++k )
             open_eye( s.eyes + k, 0.25, steps );
@@ -493,8 +483,6 @@ TEST( test_embree_holds_no_more_than_counted )
                 printf( "kind %d, %d steps: %zu of %zu bytes\n", kind, steps, held, counted );
             assert_true( held <= counted );
         }
-        rf_destroy_worlds( &worlds );
-        close_stage( &s );
     }
 }
 
@@ -508,7 +496,7 @@ TEST( test_a_pose_that_fails )
     add_gltf_floats( &b, "VEC3", 3, 4, s_places );
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"name\":\"plate\"}]," MESHES(
                                              "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "STEP" ) );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_plates( &s, scene, 5, 0.125 );
     for ( int group = 0; group <= 1; ++group )
     {
@@ -517,7 +505,6 @@ TEST( test_a_pose_that_fails )
         expect_failure( &s, &settings, RF_ERROR_SCENE, "object 'plate' at 2.125 s" );
         assert_int_equal( s.handed_over, group == 0 ? 2 : 0 ); // those before; none that shares a group with it
     }
-    close_stage( &s );
 }
 
 SHARED_BY_TESTS( gltf_enter, gltf_leave )

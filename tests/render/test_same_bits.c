@@ -42,7 +42,7 @@ static void expect_same_frames( const RfFrameResult* a, const RfFrameResult* b, 
 
 static void check_plain( RfScene scene, int light_samples, int max_depth )
 {
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     open_stage( &s, scene, EYES, 4.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = quick( 0, 5, "1" );
     settings.light_samples = light_samples;
@@ -58,7 +58,6 @@ static void check_plain( RfScene scene, int light_samples, int max_depth )
         sum += brightness( reference, 3 * WIDTH * HEIGHT );
     }
     assert_true( sum > 0.0 || max_depth == 1 ); // the light itself is not in view
-    close_stage( &s );
 }
 
 // All eyes within a body that absorbs, with something in it.
@@ -117,7 +116,7 @@ TEST( test_threads_and_runs )
         {
             RfRenderSettings settings = quick( group, 6, w == 0 ? "3x3" : w == 1 ? "1" : "rooks9" );
             settings.weights = weights[w];
-            Stage s;
+            AUTO_BY( close_stage ) Stage s;
             const RfFrameResult* whole = begin( &s, &settings );
             static const int threads[] = { 1, 2, 3, 5, 16 }; // more than there are cores or batches, too
             for ( int k = 0; k < 5; ++k )
@@ -125,7 +124,6 @@ TEST( test_threads_and_runs )
                 settings.threads = threads[k];
                 expect_same_frames( whole, render_stage( &s, &settings ), EYES );
             }
-            close_stage( &s );
         }
     }
 }
@@ -136,19 +134,18 @@ TEST( test_alone_and_in_sequence )
     for ( int g = 0; g < 4; ++g )
     {
         RfRenderSettings settings = quick( groups[g], 7, g % 2 == 0 ? "rooks36" : "2x3" );
-        Stage s;
+        AUTO_BY( close_stage ) Stage s;
         const RfFrameResult* whole = begin( &s, &settings );
         static const int frames[] = { 0, 4, 7 };
         for ( int k = 0; k < 3; ++k )
             expect_same_frames( whole + frames[k], render_one( &s, frames[k], &settings ), 1 );
-        close_stage( &s );
     }
 }
 
 TEST( test_any_budget_same_bits )
 {
     RfRenderSettings settings = quick( 2, 5, "3x3" );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     const RfFrameResult* whole = begin( &s, &settings );
     size_t needed = s.stats.peak_bytes;
     settings.memory = needed - ( needed / 8 ); // fewer batches at once
@@ -165,7 +162,6 @@ TEST( test_any_budget_same_bits )
     assert_true( error.least_memory > 100000 );
     settings.memory = error.least_memory; // which is enough
     assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_OK );
-    close_stage( &s );
 }
 
 // Groups with tiles: threads, some frames only, less memory.
@@ -176,7 +172,7 @@ TEST( test_mirrors_and_glass_same_bits )
     {
         RfRenderSettings settings = quick( 3, 7, "3x3" );
         settings.max_depth = 6;
-        Stage s;
+        AUTO_BY( close_stage ) Stage s;
         open_stage( &s, make_mirror_room( rooms[k] ), EYES, 4.0f, WIDTH, HEIGHT );
         const RfFrameResult* whole = render_stage( &s, &settings );
         size_t needed = s.stats.peak_bytes;
@@ -190,16 +186,14 @@ TEST( test_mirrors_and_glass_same_bits )
         settings.threads = 1;
         settings.memory = needed / 8 * 7;
         expect_same_frames( whole, render_stage( &s, &settings ), EYES );
-        close_stage( &s );
     }
 }
 
 TEST( test_seeds_differ )
 {
     RfRenderSettings settings = quick( 1, 3, "1" );
-    Stage s;
+    AUTO_BY( close_stage ) Stage s;
     const RfFrameResult* whole = begin( &s, &settings );
     settings.seed = 2;
     assert_memory_not_equal( whole->rgb, render_one( &s, 0, &settings )->rgb, 3 * WIDTH * HEIGHT * sizeof( float ) );
-    close_stage( &s );
 }
