@@ -150,11 +150,19 @@ def animate(gltf, rest, target, times, rows):
     return struct.pack("<I", len(rest) - 8) + rest[4:]
 
 
+def beside_blender():
+    """The environment of programs beside Debian's Blender, which looks for its Python modules beside the first python3 in PATH."""
+    return {**os.environ, "PATH": os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")]), "OMP_WAIT_POLICY": "passive"}
+
+
+def in_blender(blender, script, *words, blend=None):
+    """The command that runs a script inside Blender, in a .blend or an empty scene."""
+    return [blender, "-b", "--factory-startup", *([blend] if blend else []), "--python-exit-code", "1", "-P", script, "--", *words]
+
+
 def run_quietly(command):
     """Runs a program without its output, which is printed if it fails."""
-    # Debian's Blender looks for its Python modules beside the first python3 in PATH
-    path = os.pathsep.join(["/usr/bin", os.environ.get("PATH", "")])
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=dict(os.environ, PATH=path, OMP_WAIT_POLICY="passive"), check=False)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=beside_blender(), check=False)
     if done.returncode != 0:
         fail("failed: %s\n%s" % (" ".join(command), done.stdout.decode(errors="replace")))
     return done.stdout.decode(errors="replace")
@@ -163,7 +171,7 @@ def run_quietly(command):
 def run_in_blender(blender, script, job, base):
     with open(base + ".job.json", "w", encoding="utf-8") as file:
         json.dump(job, file)
-    run_quietly([blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", os.path.join(BLENDER, script), "--", base + ".job.json"])
+    run_quietly(in_blender(blender, os.path.join(BLENDER, script), base + ".job.json"))
 
 
 def make_equal(source, made):

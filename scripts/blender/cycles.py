@@ -140,6 +140,23 @@ def set_cycles(scene, job):
     cycles.use_adaptive_sampling = cycles.use_denoising = False
 
 
+def write_picture(scene, path, frame=None, seed=0):
+    """A frame by Cycles, by default the one that the scene is at."""
+    if frame is not None:
+        scene.frame_set(frame)
+    scene.cycles.seed, scene.render.filepath = seed, path
+    bpy.ops.render.render(write_still=True)
+
+
+def write_animations(scene, patterns):
+    """All frames by Cycles, once by each pattern, with other seeds."""
+    scene.render.use_persistent_data = True
+    scene.render.image_settings.color_mode = "RGB"
+    for seed, pattern in enumerate(patterns):
+        scene.cycles.seed, scene.render.filepath = seed, pattern
+        bpy.ops.render.render(animation=True)
+
+
 def set_up(job, gltf):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     known = bpy.ops.import_scene.gltf.get_rna_type().properties
@@ -177,9 +194,7 @@ def main():
     cpu = []
     for seed, name in enumerate(job["cycles"]):
         begin = resource.getrusage(resource.RUSAGE_SELF)
-        scene.cycles.seed = seed
-        scene.render.filepath = name
-        bpy.ops.render.render(write_still=True)
+        write_picture(scene, name, seed=seed)
         end = resource.getrusage(resource.RUSAGE_SELF)
         cpu.append(end.ru_utime + end.ru_stime - begin.ru_utime - begin.ru_stime)
     with open(job["result"], "w", encoding="utf-8") as file:

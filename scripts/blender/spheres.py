@@ -16,7 +16,7 @@ import bpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-from blender.cycles import set_cycles  # noqa: E402
+from blender.cycles import set_cycles, write_animations  # noqa: E402
 
 RADIUS = 0.5
 DISTANCE = 5.0  # of the camera from a sphere
@@ -345,22 +345,11 @@ def make(job):
         json.dump({"made": [m.name for m in made], "absent": absent, "version": bpy.app.version_string}, file)
 
 
-def render(job):
-    """Every frame with every seed."""
-    scene = bpy.context.scene
-    scene.render.use_persistent_data = True
-    scene.render.image_settings.color_mode, scene.render.image_settings.exr_codec = "RGB", "NONE"
-    for seed, pattern in enumerate(job["cycles"]):
-        scene.cycles.seed = seed
-        scene.render.filepath = pattern
-        bpy.ops.render.render(animation=True)
-
-
 def main():
     with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
         job = json.load(file)
     make(job)
-    render(job)
+    write_animations(bpy.context.scene, job["cycles"])
 
 
 main()

@@ -17,7 +17,7 @@ import numpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-from blender.cycles import cut_lamps, extension, make_sharp, read_gltf, set_cycles, set_material, set_world  # noqa: E402
+from blender.cycles import cut_lamps, extension, make_sharp, read_gltf, set_cycles, set_material, set_world, write_animations  # noqa: E402
 from blender.versions import is_principled_2, socket  # noqa: E402
 
 COAT_F0 = 0.04
@@ -412,13 +412,7 @@ def main():
     told = set_up(job, read_gltf(job["scene"]))
     with open(job["made"], "w", encoding="utf-8") as file:
         json.dump(told, file)
-    scene = bpy.context.scene
-    scene.render.use_persistent_data = True
-    scene.render.image_settings.color_mode = "RGB"
-    for seed, pattern in enumerate(job["cycles"]):
-        scene.cycles.seed = seed
-        scene.render.filepath = pattern
-        bpy.ops.render.render(animation=True)
+    write_animations(bpy.context.scene, job["cycles"])
 
 
 main()

@@ -10,7 +10,7 @@ import bpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
-from blender.cycles import set_cycles  # noqa: E402
+from blender.cycles import set_cycles, write_picture  # noqa: E402
 from parity import moving, rooms, still  # noqa: E402,F401
 from parity.words import Absent, SCENES, SIZE  # noqa: E402
 
@@ -32,11 +32,8 @@ def render(job, frames):
     scene = bpy.context.scene
     scene.render.image_settings.color_mode = "RGB"
     for seed in range(job["seeds"]):
-        scene.cycles.seed = seed
         for frame in frames:
-            scene.frame_set(frame)
-            scene.render.filepath = job["pattern"] % (seed + 1, frame)
-            bpy.ops.render.render(write_still=True)
+            write_picture(scene, job["pattern"] % (seed + 1, frame), frame, seed)
 
 
 def main():

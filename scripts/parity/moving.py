@@ -17,9 +17,7 @@ def bake_physics():
 def move_keys():
     """A child with keys on a parent that turns and grows."""
     o, child = sample()
-    parent = bpy.data.objects.new("parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    child.parent = parent
+    child.parent = parent = placed("parent")
     key(parent, "rotation_euler", zip(ENDS, (0.0, 2.0)), 2)
     key(parent, "scale", zip(ENDS, ((1, 1, 1), (1.3, 0.8, 1.2))))
     key(child, "location", zip(ENDS, ((1.1, 0.2, 0.6), (1.6, -0.5, 1.0))))

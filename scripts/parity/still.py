@@ -368,10 +368,8 @@ def instances():
         bpy.context.scene.collection.objects.unlink(o)
         group.objects.link(o)
     for i in range(3):
-        holder = bpy.data.objects.new("holder", None)
-        bpy.context.scene.collection.objects.link(holder)
-        holder.instance_type, holder.instance_collection = "COLLECTION", group
-        holder.location, holder.scale = (-2.5 + 2.4 * i, 1.4, 0.3), (1 + i, 1, 1 + 0.5 * i)
+        holder = placed("holder", None, (-2.5 + 2.4 * i, 1.4, 0.3))
+        holder.instance_type, holder.instance_collection, holder.scale = "COLLECTION", group, (1 + i, 1, 1 + 0.5 * i)
 
 
 @scene()
@@ -420,9 +418,8 @@ def shape_key():
 def mirrored():
     """A child of a parent with a negative, uneven scale."""
     sample()
-    parent = bpy.data.objects.new("parent", None)
-    bpy.context.scene.collection.objects.link(parent)
-    parent.location, parent.scale, parent.rotation_euler = (0.2, -1.3, 0.5), (-1.5, 0.8, 1.0), (0.0, 0.3, 0.5)
+    parent = placed("parent", None, (0.2, -1.3, 0.5), (0.0, 0.3, 0.5))
+    parent.scale = (-1.5, 0.8, 1.0)
     bpy.ops.mesh.primitive_monkey_add(size=0.9)
     shaped("monkey", principled(GOLD, Roughness=0.3), True).parent = parent
 

@@ -46,6 +46,11 @@ def feed(tree, node, name, value):
         into = node.inputs[name] if isinstance(name, int) else socket(node, name.replace("_", " "))
     except KeyError as error:
         raise Absent from error
+    give(tree, into, value)
+
+
+def give(tree, into, value):
+    """Links a node's first output or a socket to an input, or sets its value."""
     if isinstance(value, bpy.types.Node):
         value = value.outputs[0]
     if isinstance(value, bpy.types.NodeSocket):
@@ -137,6 +142,14 @@ def aim(o, target):
     return o
 
 
+def placed(name, data=None, place=(0, 0, 0), turn=(0, 0, 0)):
+    """An object of the scene."""
+    o = bpy.data.objects.new(name, data)
+    o.location, o.rotation_euler = place, turn
+    bpy.context.scene.collection.objects.link(o)
+    return o
+
+
 def lamp(kind, place, energy, target=None, **settings):
     data = bpy.data.lights.new(kind.lower(), kind)
     data.energy, data.shadow_soft_size = energy, 0.0
@@ -144,9 +157,7 @@ def lamp(kind, place, energy, target=None, **settings):
         data.angle = 0.0
     for name, value in settings.items():
         setattr(data, name, value)
-    o = bpy.data.objects.new(kind.lower(), data)
-    bpy.context.scene.collection.objects.link(o)
-    o.location = place
+    o = placed(kind.lower(), data, place)
     return aim(o, target) if target is not None else o
 
 
@@ -161,9 +172,7 @@ def camera(place=(0.0, -6.0, 2.4), target=(0.0, 0.0, 0.7), **settings):
     data = bpy.data.cameras.new("camera")
     for name, value in settings.items():
         setattr(data, name, value)
-    o = bpy.data.objects.new("camera", data)
-    bpy.context.scene.collection.objects.link(o)
-    o.location = place
+    o = placed("camera", data, place)
     bpy.context.scene.camera = aim(o, target)
     return o
 
@@ -247,15 +256,14 @@ def shine_by_ies(o, strength):
     feed(tree, emission, "Strength", node.outputs["Fac"])
 
 
-def key(owner, path, frames_values, index=-1, interpolation="BEZIER"):
-    """Keys of a property."""
+def key(owner, path, frames_values, index=-1, interpolation=None):
+    """Keys of a property, with Blender's interpolation or another."""
     for frame, value in frames_values:
         if index < 0:
             setattr(owner, path, value)
         else:
             getattr(owner, path)[index] = value
         owner.keyframe_insert(path, index=index, frame=frame)
-    curves = getattr(owner.id_data.animation_data.action, "fcurves", [])
-    for curve in curves:
+    for curve in owner.id_data.animation_data.action.fcurves if interpolation is not None else []:
         for point in curve.keyframe_points:
             point.interpolation = interpolation

@@ -5,12 +5,6 @@
 #include "support/image_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 TEST( test_the_tightest_group_above_counts )
 {
     const char* root = cli_folder();
@@ -64,9 +58,8 @@ static int threads_of( const char* before, const char* options )
                  "--quiet --json cores.json %s >told",
                  before, options );
     cli_expect( done, 0, NULL );
-    json_t* json = cli_read_json( "cores.json" );
+    json_auto_t* json = cli_read_json( "cores.json" );
     int threads = (int)json_integer_value( json_object_get( json, "threads" ) );
-    json_decref( json );
     return threads;
 }
 
@@ -93,9 +86,8 @@ TEST( test_the_quota_of_the_own_group_counts )
     if ( done->status == 77 || done->status == 2 )
         skip();
     cli_expect( done, 0, NULL );
-    json_t* json = cli_read_json( "quota.json" );
+    json_auto_t* json = cli_read_json( "quota.json" );
     assert_int_equal( json_integer_value( json_object_get( json, "threads" ) ), 1 );
-    json_decref( json );
 }
 
 TEST( test_a_limit_below_the_need_is_an_error_at_the_start )
@@ -152,9 +144,8 @@ TEST( test_textures_beyond_memory_are_an_error )
     cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 1,
                 "MiB are available: scale them down, first images[0] 't.png' (8192x8192, 256 MiB), images[1]" );
     size_t size;
-    uint8_t* png = encode_png( 2, 2, 1, grey, &size );
+    AUTO_FREE uint8_t* png = encode_png( 2, 2, 1, grey, &size );
     cli_write( "t.png", png, size );
-    free( png );
     cli_expect( cli_run( "ulimit -v 700000; $R info many.gltf" ), 0, NULL );
 }
 

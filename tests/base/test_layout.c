@@ -2,11 +2,6 @@
 #include "support/test.h"
 #include "base/layout.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 typedef struct Block
 {
     char* bytes;

@@ -4,9 +4,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-#include <string.h>
-
 #ifdef REFRAME_SANITIZED
 #define FUZZ 40000
 #else
@@ -39,18 +36,12 @@ TEST( test_closed_forms )
     assert_near( s_lanes[F + 1][0], 0.4 / 3.14159265, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.8 / 3.14159265, 1e-6 );
 
-    Material phong = { .kind = RF_BSDF_PHONG, .diffuse = { 0.3f, 0.3f, 0.3f }, .specular = { 0.5f, 0.5f, 0.5f }, .shape = 50.0f };
+    Material phong = { .kind = RF_BSDF_PHONG, .diffuse = GREY( 0.3f ), .specular = GREY( 0.5f ), .shape = 50.0f };
     evaluate_one( &phong, n, n, n );
     assert_near( s_lanes[F][0], 0.3 / 3.14159265 + 0.5 * 52.0 / 6.2831853, 1e-6 );
     assert_near( s_lanes[PDF][0], 0.375 / 3.14159265 + 0.625 * 51.0 / 6.2831853, 1e-6 );
 
-    Material ggx = { .kind = RF_BSDF_GGX,
-                     .diffuse = { 0.6f, 0.6f, 0.6f },
-                     .specular = { 0.04f, 0.04f, 0.04f },
-                     .shape = 0.3f,
-                     .f90 = 1.0f,
-                     .coat_f0 = 0.04f,
-                     .coat_f90 = 1.0f };
+    Material ggx = { .kind = RF_BSDF_GGX, .diffuse = GREY( 0.6f ), .specular = GREY( 0.04f ), .shape = 0.3f, COAT( 0.04f ) };
     evaluate_one( &ggx, n, n, n );
     double d = 1.0 / ( 3.14159265 * 0.09 );
     assert_near( s_lanes[F][0], 0.04 * d / 4.0 + 0.6 / 3.14159265 * 0.96 * 0.96, 1e-5 );
@@ -62,22 +53,14 @@ TEST( test_closed_forms )
 TEST( test_nothing_below_the_horizon )
 {
     Material materials[] = {
-        { .kind = RF_BSDF_LAMBERT, .diffuse = { 1, 1, 1 } },
-        { .kind = RF_BSDF_PHONG, .diffuse = { 0.5f, 0.5f, 0.5f }, .specular = { 0.5f, 0.5f, 0.5f }, .shape = 3.0f },
-        { .kind = RF_BSDF_GGX,
-          .diffuse = { 0.5f, 0.5f, 0.5f },
-          .specular = { 0.5f, 0.5f, 0.5f },
-          .shape = 0.5f,
-          .f90 = 1,
-          .coat_f0 = 0.04f,
-          .coat_f90 = 1 },
+        { .kind = RF_BSDF_LAMBERT, .diffuse = GREY( 1 ) },
+        { .kind = RF_BSDF_PHONG, .diffuse = GREY( 0.5f ), .specular = GREY( 0.5f ), .shape = 3.0f },
+        { .kind = RF_BSDF_GGX, .diffuse = GREY( 0.5f ), .specular = GREY( 0.5f ), .shape = 0.5f, COAT( 0.04f ) },
         { .kind = RF_BSDF_SHEEN,
-          .diffuse = { 0.5f, 0.5f, 0.5f },
-          .specular = { 0.04f, 0.04f, 0.04f },
+          .diffuse = GREY( 0.5f ),
+          .specular = GREY( 0.04f ),
           .shape = 0.5f,
-          .f90 = 1,
-          .coat_f0 = 0.04f,
-          .coat_f90 = 1,
+          COAT( 0.04f ),
           .sheen = { 0.9f, 0.8f, 0.7f },
           .sheen_alpha = 0.2f }
     };
@@ -103,7 +86,7 @@ TEST( test_nothing_below_the_horizon )
 // D at the sharpest lobe against the same formula in double: nothing cancels.
 TEST( test_sharp_lobe_is_accurate )
 {
-    Material m = { .kind = RF_BSDF_GGX, .specular = { 1, 1, 1 }, .shape = RF_MIN_ALPHA, .f90 = 1 };
+    Material m = { .kind = RF_BSDF_GGX, .specular = GREY( 1 ), .shape = RF_MIN_ALPHA, .f90 = 1 };
     double a2 = (double)RF_MIN_ALPHA * RF_MIN_ALPHA;
     for ( int i = 0; i < 20000; ++i )
     {
@@ -125,7 +108,7 @@ TEST( test_sharp_lobe_is_accurate )
 static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
 {
     float pick = uniform( stream, i, 20 );
-    Material m = { .kind = kind, .f90 = 1, .coat_f90 = 1, .clearcoat = 1, .clearcoat_alpha = RF_MIN_ALPHA };
+    Material m = { .kind = kind, .f90 = 1, .coat_f90 = 1, CLEARCOAT_OF( 1, RF_MIN_ALPHA ) };
     m.diffuse = rf_vec3( uniform( stream, i, 21 ), uniform( stream, i, 22 ), uniform( stream, i, 23 ) );
     m.specular = rf_vec3( uniform( stream, i, 24 ), uniform( stream, i, 25 ), uniform( stream, i, 26 ) );
     if ( pick > 0.8f )

@@ -3,9 +3,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-#include <string.h>
-
 #ifdef REFRAME_SANITIZED
 #define SAMPLES 20000
 #define SUB 12
@@ -305,11 +302,11 @@ TEST( test_phong_samples_follow_density )
 {
     const Material m[] = {
         { .kind = RF_BSDF_PHONG, .diffuse = { 0.2f, 0.5f, 0.7f }, .specular = { 0.1f, 0.2f, 0.3f }, .shape = 1.0f },
-        { .kind = RF_BSDF_PHONG, .specular = { 1, 1, 1 } },
-        { .kind = RF_BSDF_PHONG, .diffuse = { 0.3f, 0.3f, 0.3f }, .specular = { 0.6f, 0.6f, 0.6f }, .shape = 20.0f },
-        { .kind = RF_BSDF_PHONG, .specular = { 0.9f, 0.9f, 0.9f }, .shape = 200.0f },
-        { .kind = RF_BSDF_PHONG, .diffuse = { 0.2f, 0.2f, 0.2f }, .specular = { 0.7f, 0.7f, 0.7f }, .shape = 5000.0f },
-        { .kind = RF_BSDF_PHONG, .diffuse = { 0.1f, 0.1f, 0.1f }, .specular = { 0.8f, 0.8f, 0.8f }, .shape = 1e6f },
+        { .kind = RF_BSDF_PHONG, .specular = GREY( 1 ) },
+        { .kind = RF_BSDF_PHONG, .diffuse = GREY( 0.3f ), .specular = GREY( 0.6f ), .shape = 20.0f },
+        { .kind = RF_BSDF_PHONG, .specular = GREY( 0.9f ), .shape = 200.0f },
+        { .kind = RF_BSDF_PHONG, .diffuse = GREY( 0.2f ), .specular = GREY( 0.7f ), .shape = 5000.0f },
+        { .kind = RF_BSDF_PHONG, .diffuse = GREY( 0.1f ), .specular = GREY( 0.8f ), .shape = 1e6f },
         { .kind = RF_BSDF_PHONG, .shape = 10.0f }
     };
     check_sampling( m, 7 );
@@ -318,36 +315,12 @@ TEST( test_phong_samples_follow_density )
 TEST( test_ggx_samples_follow_density )
 {
     const Material m[] = {
-        { .kind = RF_BSDF_GGX,
-          .diffuse = { 0.2f, 0.5f, 0.8f },
-          .specular = { 0.04f, 0.04f, 0.04f },
-          .shape = 1.0f,
-          .f90 = 1,
-          .coat_f0 = 0.04f,
-          .coat_f90 = 1 },
-        { .kind = RF_BSDF_GGX, .specular = { 1.0f, 0.8f, 0.3f }, .shape = 0.5f, .f90 = 1, .coat_f0 = 0.04f, .coat_f90 = 1 },
-        { .kind = RF_BSDF_GGX,
-          .diffuse = { 0.8f, 0.8f, 0.8f },
-          .specular = { 0.04f, 0.04f, 0.04f },
-          .shape = 0.1f,
-          .f90 = 1,
-          .coat_f0 = 0.04f,
-          .coat_f90 = 1 },
-        { .kind = RF_BSDF_GGX, .specular = { 0.9f, 0.9f, 0.9f }, .shape = 0.03f, .f90 = 1, .coat_f0 = 0.04f, .coat_f90 = 1 },
-        { .kind = RF_BSDF_GGX,
-          .diffuse = { 0.5f, 0.5f, 0.5f },
-          .specular = { 0.5f, 0.5f, 0.5f },
-          .shape = 0.01f,
-          .f90 = 1,
-          .coat_f0 = 0.04f,
-          .coat_f90 = 1 },
-        { .kind = RF_BSDF_GGX,
-          .diffuse = { 0.8f, 0.8f, 0.8f },
-          .specular = { 0.17f, 0.17f, 0.17f },
-          .shape = RF_MIN_ALPHA,
-          .f90 = 1,
-          .coat_f0 = 0.17f,
-          .coat_f90 = 1 },
+        { .kind = RF_BSDF_GGX, .diffuse = { 0.2f, 0.5f, 0.8f }, .specular = GREY( 0.04f ), .shape = 1.0f, COAT( 0.04f ) },
+        { .kind = RF_BSDF_GGX, .specular = { 1.0f, 0.8f, 0.3f }, .shape = 0.5f, COAT( 0.04f ) },
+        { .kind = RF_BSDF_GGX, .diffuse = GREY( 0.8f ), .specular = GREY( 0.04f ), .shape = 0.1f, COAT( 0.04f ) },
+        { .kind = RF_BSDF_GGX, .specular = GREY( 0.9f ), .shape = 0.03f, COAT( 0.04f ) },
+        { .kind = RF_BSDF_GGX, .diffuse = GREY( 0.5f ), .specular = GREY( 0.5f ), .shape = 0.01f, COAT( 0.04f ) },
+        { .kind = RF_BSDF_GGX, .diffuse = GREY( 0.8f ), .specular = GREY( 0.17f ), .shape = RF_MIN_ALPHA, COAT( 0.17f ) },
         { .kind = RF_BSDF_GGX, .shape = 0.3f }
     };
     check_sampling( m, 7 );
@@ -416,60 +389,31 @@ TEST( test_ggx_keeps_energy )
                            .diffuse = grey( 1.0f - metallic ),
                            .specular = grey( ( 1.0f - metallic ) * coat + metallic ),
                            .shape = alphas[i],
-                           .f90 = 1.0f,
-                           .coat_f0 = coat,
-                           .coat_f90 = 1.0f };
+                           COAT( coat ) };
             check_furnace( &m, &least, &most );
         }
         print_message( "GGX coat %.2f metallic %.1f: albedo %.4f to %.4f\n", coat, metallic, least, most );
     }
 }
 
-TEST( test_coated_samples_follow_density )
-{
-    const Material m[] = { { .kind = RF_BSDF_COATED,
-                             .diffuse = { 0.2f, 0.5f, 0.8f },
-                             .specular = { 0.04f, 0.04f, 0.04f },
-                             .shape = 0.5f,
-                             .f90 = 1,
-                             .coat_f0 = 0.04f,
-                             .coat_f90 = 1,
-                             .clearcoat = 1.0f,
-                             .clearcoat_alpha = 0.3f },
-                           { .kind = RF_BSDF_COATED,
-                             .specular = { 0.9f, 0.7f, 0.3f },
-                             .shape = 0.3f,
-                             .f90 = 1,
-                             .coat_f0 = 0.04f,
-                             .coat_f90 = 1,
-                             .clearcoat = 0.5f,
-                             .clearcoat_alpha = 0.2f },
-                           { .kind = RF_BSDF_COATED, .shape = 0.2f, .clearcoat = 1.0f, .clearcoat_alpha = 0.2f } };
-    check_sampling( m, 3 );
-}
+static const Material s_coated[] = {
+    { .kind = RF_BSDF_COATED,
+      .diffuse = { 0.2f, 0.5f, 0.8f },
+      .specular = GREY( 0.04f ),
+      .shape = 0.5f,
+      COAT( 0.04f ),
+      CLEARCOAT_OF( 1.0f, 0.3f ) },
+    { .kind = RF_BSDF_COATED, .specular = { 0.9f, 0.7f, 0.3f }, .shape = 0.3f, COAT( 0.04f ), CLEARCOAT_OF( 0.5f, 0.2f ) },
+    { .kind = RF_BSDF_COATED, .shape = 0.2f, CLEARCOAT_OF( 1.0f, 0.2f ) }
+};
+
+TEST( test_coated_samples_follow_density ) { check_sampling( s_coated, 3 ); }
 
 // Coats that lean away from what they cover.
 TEST( test_leaning_coat_samples_follow_density )
 {
-    const Material m[] = { { .kind = RF_BSDF_COATED,
-                             .diffuse = { 0.2f, 0.5f, 0.8f },
-                             .specular = { 0.04f, 0.04f, 0.04f },
-                             .shape = 0.5f,
-                             .f90 = 1,
-                             .coat_f0 = 0.04f,
-                             .coat_f90 = 1,
-                             .clearcoat = 1.0f,
-                             .clearcoat_alpha = 0.3f },
-                           { .kind = RF_BSDF_COATED,
-                             .specular = { 0.9f, 0.7f, 0.3f },
-                             .shape = 0.3f,
-                             .f90 = 1,
-                             .coat_f0 = 0.04f,
-                             .coat_f90 = 1,
-                             .clearcoat = 0.5f,
-                             .clearcoat_alpha = 0.2f } };
     s_coat_lean = rf_vec3( 0.4f, -0.1f, 0.2f );
-    check_sampling( m, 2 );
+    check_sampling( s_coated, 2 );
     double least = 2.0, most = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
@@ -477,11 +421,8 @@ TEST( test_leaning_coat_samples_follow_density )
                            .diffuse = grey( 1.0f ),
                            .specular = grey( 0.04f ),
                            .shape = 0.4f,
-                           .f90 = 1.0f,
-                           .coat_f0 = 0.04f,
-                           .coat_f90 = 1.0f,
-                           .clearcoat = 1.0f,
-                           .clearcoat_alpha = 0.05f + 0.3f * (float)k };
+                           COAT( 0.04f ),
+                           CLEARCOAT_OF( 1.0f, 0.05f + 0.3f * (float)k ) };
         s_coat_lean = rf_vec3( 0.1f, 0.3f * (float)k, -0.2f );
         check_furnace( &white, &least, &most );
     }
@@ -501,11 +442,8 @@ TEST( test_coats_keep_energy )
                            .diffuse = grey( j < 2 ? 1.0f : 0.0f ),
                            .specular = grey( j < 2 ? 0.04f : 1.0f ),
                            .shape = alphas[i],
-                           .f90 = 1.0f,
-                           .coat_f0 = 0.04f,
-                           .coat_f90 = 1.0f,
-                           .clearcoat = j % 2 == 0 ? 1.0f : 0.5f,
-                           .clearcoat_alpha = alphas[3 - i] };
+                           COAT( 0.04f ),
+                           CLEARCOAT_OF( j % 2 == 0 ? 1.0f : 0.5f, alphas[3 - i] ) };
             check_furnace( &m, &least, &most );
         }
         print_message( "coated %s, clearcoat %g: albedo %.4f to %.4f\n", j < 2 ? "plastic" : "metal", j % 2 == 0 ? 1.0 : 0.5,
@@ -515,12 +453,7 @@ TEST( test_coats_keep_energy )
 
 TEST( test_sheen_samples_follow_density )
 {
-    const Material cloth = { .kind = RF_BSDF_SHEEN,
-                             .diffuse = { 0.2f, 0.5f, 0.8f },
-                             .specular = grey( 0.04f ),
-                             .f90 = 1,
-                             .coat_f0 = 0.04f,
-                             .coat_f90 = 1 };
+    const Material cloth = { .kind = RF_BSDF_SHEEN, .diffuse = { 0.2f, 0.5f, 0.8f }, .specular = grey( 0.04f ), COAT( 0.04f ) };
     Material m[] = { cloth, cloth, cloth, cloth, cloth };
     const float shapes[] = { 0.5f, 1.0f, 0.3f, 0.5f, 0.2f }, alphas[] = { 0.25f, 1.0f, 0.0f, 0.04f, 0.5f };
     for ( int i = 0; i < 5; ++i )
@@ -561,11 +494,9 @@ TEST( test_translucent_samples_follow_density )
     Material m[4] = { { .kind = RF_BSDF_TRANSLUCENT,
                         .diffuse = { 0.4f, 0.2f, 0.1f },
                         .through = { 0.1f, 0.6f, 0.5f },
-                        .specular = { 0.04f, 0.04f, 0.04f },
+                        .specular = GREY( 0.04f ),
                         .shape = 0.2f,
-                        .f90 = 1,
-                        .coat_f0 = 0.04f,
-                        .coat_f90 = 1 } };
+                        COAT( 0.04f ) } };
     m[1] = m[2] = m[0];
     m[1].side = -1.0f;
     m[2].diffuse = grey( 0.0f ); // all of it goes through
@@ -617,9 +548,7 @@ static Material facets( RfBsdfKind kind, bool metal, float shape )
                          .diffuse = grey( metal ? 0.0f : 1.0f ),
                          .specular = grey( metal ? 1.0f : 0.04f ),
                          .shape = shape,
-                         .f90 = 1,
-                         .coat_f0 = 0.04f,
-                         .coat_f90 = 1,
+                         COAT( 0.04f ),
                          .clearcoat_alpha = 1.0f,
                          .film_ior = 1.4f,
                          .grain = 0.15f };

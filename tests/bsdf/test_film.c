@@ -4,7 +4,6 @@
 #include "bsdf/thin_film.h"
 
 #include <complex.h>
-#include <math.h>
 
 static const double s_pi = 3.14159265358979323846;
 

@@ -5,9 +5,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 typedef struct Glass
 {
     RfVec3 base, specular, tint;

@@ -4,8 +4,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-
 static const double s_pi = 3.14159265358979323846;
 
 // White sheen alone, seen at this cosine, by its own model.

@@ -3,8 +3,6 @@
 #include "support/bsdf_lanes.h"
 #include "support/test.h"
 
-#include <stdbool.h>
-
 static const double s_pi = 3.14159265358979323846;
 
 static Material random_translucent( uint32_t stream, int i )

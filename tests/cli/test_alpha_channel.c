@@ -3,10 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 
 #define WIDTH 24
@@ -17,15 +13,6 @@ static void write_scene( void )
 {
     write_room( "" ); // a triangle
     write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,2,4]}}" );
-}
-
-static float* read_channel( const char* name, const char* channel )
-{
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    float* values = NULL;
-    RfExrWindow window;
-    return rf_read_exr_channels( path, &channel, 1, &window, &values, NULL ) == RF_OK ? values : NULL;
 }
 
 // The names of the channels in the header, which are sorted: one after another, each with 16 bytes behind it.
@@ -49,9 +36,9 @@ TEST( test_files_are_premultiplied_rgba )
     cli_expect( cli_run( "$R render sky.json -o n/f.####.exr " SMALL ), 0, NULL );
     check_order( "a/f.0001.exr", "ABGR" );
     check_order( "n/f.0001.exr", "BGR" );
-    assert_null( read_channel( "n/f.0001.exr", "A" ) );
-    float *alpha = read_channel( "a/f.0001.exr", "A" ), *blue = read_channel( "a/f.0001.exr", "B" ),
-          *plain = read_channel( "n/f.0001.exr", "B" );
+    assert_null( cli_read_channel( "n/f.0001.exr", "A", NULL ) );
+    float *alpha = cli_read_channel( "a/f.0001.exr", "A", NULL ), *blue = cli_read_channel( "a/f.0001.exr", "B", NULL ),
+          *plain = cli_read_channel( "n/f.0001.exr", "B", NULL );
     assert_true( alpha != NULL && blue != NULL && plain != NULL );
     int none = 0, all = 0;
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
@@ -82,23 +69,20 @@ TEST( test_png_has_straight_alpha )
     free( without );
     // straight: at the rim the colour is that of the triangle, half as bright if it were not divided
     RfImage image = { 1, 1, ( float[3] ){ 0.25f, 0.125f, 0.5f } };
-    char path[512];
-    snprintf( path, sizeof path, "%s/one.png", cli_folder() );
+    const char* path = cli_path( "one.png" );
     float half = 0.5f, one = 1.0f;
     assert_int_equal( rf_write_png_alpha( path, &image, &half, 0.0f, NULL ), RF_OK );
-    char* straight = cli_read( "one.png", &size );
+    AUTO_FREE char* straight = cli_read( "one.png", &size );
     size_t first = size;
     image.rgb = ( float[3] ){ 0.5f, 0.25f, 1.0f };
     assert_int_equal( rf_write_png_alpha( path, &image, &one, 0.0f, NULL ), RF_OK );
-    char* opaque = cli_read( "one.png", &size );
+    AUTO_FREE char* opaque = cli_read( "one.png", &size );
     // a pixel is red green blue alpha behind the byte of the filter: the files differ in alpha and checksums alone
     assert_int_equal( first, size );
     int different = 0;
     for ( size_t i = 0; i < size; ++i )
         different += straight[i] != opaque[i];
     assert_true( different > 0 && different <= 1 + 4 + 4 );
-    free( straight );
-    free( opaque );
 }
 
 TEST( test_other_commands_read_it )

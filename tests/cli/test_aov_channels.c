@@ -3,11 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "film/cryptomatte.h"
 #include "image/exr.h"
 
@@ -20,16 +15,10 @@
 // One channel of a frame, to be freed; NULL where it has none.
 static float* channel_of( const char* name, const char* channel, int width, int height )
 {
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    float* values;
     RfExrWindow window;
-    RfError error;
-    if ( rf_read_exr_channels( path, &channel, 1, &window, &values, &error ) != RF_OK )
-    {
-        assert_non_null( strstr( error.text, channel ) );
+    float* values = cli_read_channel( name, channel, &window );
+    if ( values == NULL )
         return NULL;
-    }
     assert_true( window.width == width && window.height == height );
     return values;
 }
@@ -67,7 +56,7 @@ TEST( test_every_channel_is_written )
     cli_expect( cli_run( "$R render $VASE -o a/f.####.exr " SMALL " --aov " ALL "," PASSES ), 0, NULL );
     for ( size_t i = 0; i < sizeof names / sizeof names[0]; ++i )
     {
-        float* values = channel_of( "a/f.0010.exr", names[i], 48, 27 );
+        AUTO_FREE float* values = channel_of( "a/f.0010.exr", names[i], 48, 27 );
         assert_non_null( values );
         double sum = 0.0;
         for ( int k = 0; k < 48 * 27; ++k )
@@ -77,12 +66,10 @@ TEST( test_every_channel_is_written )
         }
         if ( !( sum > 0.0 ) )
             fail_msg( "%s is 0 everywhere", names[i] );
-        free( values );
     }
     assert_null( channel_of( "a/f.0010.exr", "alpha.A", 48, 27 ) );
-    float* glass = channel_of( "a/f.0010.exr", "transmission.R", 48, 27 );
+    AUTO_FREE float* glass = channel_of( "a/f.0010.exr", "transmission.R", 48, 27 );
     assert_non_null( glass );
-    free( glass );
     // the colour is what it is without, and other commands find it
     cli_expect( cli_run( "$R render $VASE -o b/f.####.exr " SMALL ), 0, NULL );
     const CliResult* result = cli_run( "$R compare a/f.####.exr b/f.####.exr --json -" );
@@ -97,9 +84,8 @@ TEST( test_every_channel_is_written )
     cli_expect( cli_run( "cmp a/f.0011.exr c/f.0011.exr" ), 0, NULL );
     // only what was asked for
     cli_expect( cli_run( "$R render $VASE -o d/f.####.exr " SMALL " --aov depth --float" ), 0, NULL );
-    float* depth = channel_of( "d/f.0010.exr", "depth.Z", 48, 27 );
+    AUTO_FREE float* depth = channel_of( "d/f.0010.exr", "depth.Z", 48, 27 );
     assert_true( depth != NULL && depth[0] > 0.1f && depth[0] < 100.0f );
-    free( depth );
     assert_null( channel_of( "d/f.0010.exr", "albedo.R", 48, 27 ) );
 }
 
@@ -127,31 +113,28 @@ TEST( test_resume_wants_the_same_aovs )
 // The mattes of a name in a frame: the sum of the coverages of its id over all ranks.
 static double coverage_of( const char* name, const char* kind, const char* attribute, const char* what )
 {
-    char path[512], manifest[8192], channel[64];
+    char channel[64];
     float id = 0.0f;
     double sum = 0.0;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr_string( path, attribute, manifest, sizeof manifest, NULL ), RF_OK );
-    json_t* json = json_loads( manifest, 0, NULL );
+    const char* manifest = cli_exr_text( name, attribute );
+    assert_non_null( manifest );
+    json_auto_t* json = json_loads( manifest, 0, NULL );
     const char* digits = json_string_value( json_object_get( json, what ) );
     assert_non_null( digits );
     uint32_t bits = (uint32_t)strtoul( digits, NULL, 16 );
     memcpy( &id, &bits, sizeof id );
-    json_decref( json );
     for ( int rank = 0; rank < 6; ++rank )
     {
         snprintf( channel, sizeof channel, "%s%02d.%c", kind, rank / 2, "rb"[rank % 2] );
-        float* ids = channel_of( name, channel, 48, 27 );
+        AUTO_FREE float* ids = channel_of( name, channel, 48, 27 );
         snprintf( channel, sizeof channel, "%s%02d.%c", kind, rank / 2, "ga"[rank % 2] );
-        float* coverage = channel_of( name, channel, 48, 27 );
+        AUTO_FREE float* coverage = channel_of( name, channel, 48, 27 );
         assert_true( ids != NULL && coverage != NULL );
         for ( int i = 0; i < 48 * 27; ++i )
         {
             assert_true( coverage[i] >= 0.0f && coverage[i] <= 1.0f );
             sum += ids[i] == id ? (double)coverage[i] / ( 48 * 27 ) : 0.0;
         }
-        free( ids );
-        free( coverage );
     }
     return sum;
 }
@@ -176,9 +159,8 @@ TEST( test_mattes_are_found_by_name )
         vase = i == 0 ? here : vase;
         assert_true( here == vase && here > 0.01 && here < 0.9 );
         assert_null( channel_of( name, "CryptoMaterial00.r", 48, 27 ) );
-        float* group = channel_of( name, "light_light.G", 48, 27 ); // beside mattes
+        AUTO_FREE float* group = channel_of( name, "light_light.G", 48, 27 ); // beside mattes
         assert_true( ( group != NULL ) == ( i == 3 ) );
-        free( group );
     }
     cli_expect( cli_run( "$R render $VASE -o m/f0.####.exr " SMALL " --cryptomatte asset,object --resume" ), 0, NULL );
     cli_expect( cli_run( "$R render $VASE -o m/f0.####.exr " SMALL " --resume --cryptomatte object" ), 1,
@@ -211,10 +193,9 @@ TEST( test_variance_of_one_pass )
         cli_run( "$R render $VASE -o v.exr --size 8x6 --spp 1 --group 0 --frames 3 --quiet --aov variance" );
     cli_expect( result, 0, NULL );
     assert_non_null( strstr( result->err, "warning: --aov variance: will be 0 in frame 3" ) );
-    float* values = channel_of( "v.exr", "variance.G", 8, 6 );
+    AUTO_FREE float* values = channel_of( "v.exr", "variance.G", 8, 6 );
     for ( int i = 0; i < 48; ++i )
         assert_true( values[i] == 0.0f );
-    free( values );
     result = cli_run( "$R render $VASE -o w.exr --size 8x6 --spp 2 --group 0 --frames 3 --quiet --aov variance" );
     cli_expect( result, 0, NULL );
     assert_string_equal( result->err, "" );

@@ -3,8 +3,6 @@
 #include "support/blender_run.h"
 #include "support/test.h"
 
-#include <string.h>
-
 #define PAGE REFRAME_SOURCE_DIR "/src/cli/denoising.md"
 
 // relMSE of a frame that Blender wrote against one that it read.

@@ -1,16 +1,10 @@
 // scripts/blender/export.py on a scene made in Blender; skipped where Blender or the numpy
 // that its exporter needs is missing.
 #include "support/blender_run.h"
-#include "support/test.h"
 
 #include "gltf/gltf.h"
 #include "light/sky.h"
-#include "reframe/image.h"
 #include "scene/camera.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 // A camera that a moving parent and a constraint move, an area light, a point
 // lamp, a world of one colour, a custom property.
@@ -190,44 +184,34 @@ static void check_world( const RfScene* scene )
     assert_true( near( below.x, 0.25 ) && near( below.z, 0.5 ) );
 }
 
-static void load( const char* name, RfScene* scene )
+// Runs scripts in Blender, one after another, of which the last saves the scene.
+static void make_by( const char* scripts )
 {
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    cli_write( "make.py", s_make, sizeof s_make - 1 );
+    cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
+    assert_int_equal( cli_run( BLENDER "--python-exit-code 9 %s > log 2>&1", scripts )->status, 0 );
 }
 
-TEST( test_export_keeps_the_scene )
+BLENDER_TEST( test_export_keeps_the_scene )
 {
-    bool is_4 = blender_major() >= 4;
-    if ( !enter_with_blender() )
-        skip();
-    cli_write( "make.py", s_make, sizeof s_make - 1 );
-    assert_int_equal( cli_run( BLENDER "--python-exit-code 9 -P make.py > log 2>&1" )->status, 0 );
-#define EXPORT BLENDER "t.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
-    const CliResult* refused = cli_run( EXPORT "t.glb --camera Nobody > log" );
+    make_by( "-P make.py" );
+    const CliResult* refused = blender_export( "t", "--camera Nobody" );
     assert_int_equal( refused->status, 1 );
-    assert_non_null( strstr( refused->err, "no camera 'Nobody' in the scene: it has Eye" ) );
+    expect_said( refused->err, "no camera 'Nobody' in the scene: it has Eye" );
     cli_expect( cli_run( BLENDER "t.blend --python-expr 'import bpy; bpy.data.batch_remove(bpy.data.cameras)' -P " BLENDER_SCRIPT
                                  "none.glb > log 2> err; s=$?; grep blender-export: err >&2; exit $s" ),
                 1, "no camera in the scene: add one" );
-    assert_int_equal( cli_run( EXPORT "t.glb > log 2>&1" )->status, 0 );
-    RfScene scene;
-    load( "t.glb", &scene );
-    check_scene( &scene, is_4 );
-    rf_destroy_scene( &scene );
+    assert_int_equal( blender_export( "t", "" )->status, 0 );
+    AUTO_SCENE scene = convert_load( "t.glb" );
+    check_scene( &scene, blender_is_4() );
     cli_expect( cli_run( BLENDER "t.blend --python-expr 'import sys; sys.modules[\"numpy\"] = None' -P " BLENDER_SCRIPT
                                  "t.glb > log "
                                  "2> err; s=$?; grep blender-export: err >&2; exit $s" ),
                 1, "this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)" );
-    refused = cli_run( EXPORT "t.glb > log" );
+    refused = blender_export( "t", "" );
     assert_int_equal( refused->status, 1 );
-    assert_non_null( strstr( refused->err, "blender-export: t.glb: is there already: give another name or --overwrite" ) );
-    assert_int_equal( cli_run( EXPORT "t.glb --overwrite > log 2>&1" )->status, 0 );
-    cli_leave();
+    expect_said( refused->err, "blender-export: t.glb: is there already: give another name or --overwrite" );
+    assert_int_equal( blender_export( "t", "--overwrite" )->status, 0 );
 }
 
 // Blender's own: 50 mm, f/2.8, focused at 10 m, the shutter open for half a frame about each frame.
@@ -237,117 +221,74 @@ static void check_lens( const RfScene* scene )
     int index;
     assert_int_equal( rf_find_camera( scene, NULL, &index, NULL ), RF_OK );
     const RfCamera* camera = scene->cameras + index;
-    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 1.0, &eye, NULL ),
-                      RF_OK );
+    const RfCameraSampling sampling = { scene, camera, NULL, { 24, 1 }, 64, 36 };
+    assert_int_equal( rf_camera_lens_eye( &sampling, 1.0, &eye, NULL ), RF_OK );
     assert_float_equal( eye.lens_radius, 0.05 / 5.6, 1e-6 );
     assert_float_equal( eye.focus, 10.0, 1e-4 );
     assert_true( eye.moves );
-    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 0.75, &before, NULL ),
-                      RF_OK );
-    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ scene, camera, NULL, { 24, 1 }, 64, 36 }, 1.25, &after, NULL ),
-                      RF_OK );
+    assert_int_equal( rf_camera_eye( &sampling, 0.75, &before, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &sampling, 1.25, &after, NULL ), RF_OK );
     assert_memory_equal( &eye.open.origin, &before.origin, sizeof before.origin );
     assert_memory_equal( &eye.close.origin, &after.origin, sizeof after.origin );
 }
 
-TEST( test_world_becomes_the_environment )
+BLENDER_TEST( test_world_becomes_the_environment )
 {
-    if ( !enter_with_blender() )
-        skip();
-    cli_write( "make.py", s_make, sizeof s_make - 1 );
-    cli_write( "world.py", s_make_world, sizeof s_make_world - 1 );
-    assert_int_equal( cli_run( BLENDER "--python-exit-code 9 -P make.py -P world.py > log 2>&1" )->status, 0 );
-#define EXPORT_SKY BLENDER "sky.blend -P " REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
+    make_by( "-P make.py -P world.py" );
+#define EXPORT_SKY BLENDER "sky.blend -P " BLENDER_SCRIPT
     cli_write( "a b-sky.exr", "", 0 ); // a map in the way
     const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );
     assert_int_equal( done->status, 1 );
-    assert_non_null( strstr( done->err, "a b-sky.exr: is there already" ) );
+    expect_said( done->err, "a b-sky.exr: is there already" );
     done = cli_run( EXPORT_SKY "'a b.glb' --overwrite --accept-losses > log" );
     assert_int_equal( done->status, 0 );
     assert_null( strstr( done->err, "depth of field" ) );
     assert_null( strstr( done->err, "motion blur" ) );
-    assert_non_null( strstr( done->err, "'Cube': nearer to 'Eye' than its clip start in frame 1: seen here" ) );
-    assert_non_null( strstr( done->err, "looks different to the camera than to surfaces: taken as it lights the scene" ) );
+    expect_said( done->err, "'Cube': nearer to 'Eye' than its clip start in frame 1: seen here" );
+    expect_said( done->err, "looks different to the camera than to surfaces: taken as it lights the scene" );
     assert_null( strstr( done->err, "loss: 'POINT'" ) ); // its keys are carried
-    RfScene scene;
-    load( "a b.glb", &scene );
+    RfScene scene = convert_load( "a b.glb" );
     check_world( &scene );
     check_lens( &scene );
     rf_destroy_scene( &scene );
     assert_int_equal( cli_run( EXPORT_SKY "one.glb --embed --accept-losses > log 2>&1" )->status, 0 );
     assert_false( cli_exists( "one-sky.exr" ) );
-    load( "one.glb", &scene );
+    scene = convert_load( "one.glb" );
     check_world( &scene );
     rf_destroy_scene( &scene );
-    cli_leave();
-}
-
-static double sum_of( const RfImage* image )
-{
-    double sum = 0.0;
-    for ( size_t i = 0; i < 3 * (size_t)image->width * (size_t)image->height; ++i )
-        sum += (double)image->rgb[i];
-    return sum;
 }
 
 // The picture is that of Cycles, but for noise at its edges: a camera that is half a pixel off, or a shape
 // that is missing, differs by more.
 static void expect_same_picture( const char* name, const char* cycles )
 {
-    RfImage image[2];
-    for ( int i = 0; i < 2; ++i )
-    {
-        char path[512];
-        RfError error;
-        snprintf( path, sizeof path, "%s/%s", cli_folder(), i == 0 ? name : cycles );
-        if ( rf_read_exr( path, image + i, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-    }
-    assert_int_equal( image[0].width, image[1].width );
-    assert_int_equal( image[0].height, image[1].height );
-    double mean = sum_of( image + 1 ), difference = 0.0;
-    for ( size_t i = 0; i < 3 * (size_t)image[0].width * (size_t)image[0].height; ++i )
-        difference += fabs( (double)image[0].rgb[i] - (double)image[1].rgb[i] );
-    print_message( "%s: mean %.4f of Cycles', difference %.4f\n", name, sum_of( image ) / mean, difference / mean );
-    assert_true( fabs( sum_of( image ) / mean - 1.0 ) < 0.01 );
-    assert_true( difference / mean < 0.06 );
-    rf_destroy_image( image );
-    rf_destroy_image( image + 1 );
+    Difference d = picture_difference( name, cycles, 1, 1 );
+    assert_true( fabs( d.mean ) < 0.01 );
+    assert_true( d.pixels < 0.06 );
 }
 
-#define SCRIPT REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
-#define MAKE BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/"
-
 // Frames 101 to 110 at 29.97 frames/s with two cuts by markers, of 64x36 pixels that are not square, by a zooming and shifted lens.
-TEST( test_shot_is_blenders )
+BLENDER_TEST( test_shot_is_blenders )
 {
-    if ( !enter_with_blender() )
-        skip();
-    assert_int_equal( cli_run( MAKE "blender_shot.py > log 2>&1" )->status, 0 );
-    const CliResult* done = cli_run( BLENDER "shot.blend -P " SCRIPT "shot.glb > log" );
-    assert_int_equal( done->status, 0 );
+    blender_make( "shot --samples 64 shot" );
+    const CliResult* done = blender_exported( "shot", "" );
     assert_null( strstr( done->err, "blender-export: " ) ); // nothing is lost
     done = cli_run( "$R info shot.glb" );
-    assert_non_null( strstr( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s, animated, 3 shots" ) );
-    assert_non_null( strstr( done->out, "size       64x36" ) );
+    expect_said( done->out, "Eye: 10 frames (101 to 110) at 29.97 frames/s, animated, 3 shots" );
+    expect_said( done->out, "size       64x36" );
     done = cli_run( "$R render shot.glb -o f.####.exr --frames 101,110 --group 0 --tile 1 --spp 64 --filter box --quiet" );
     cli_expect( done, 0, NULL );
     expect_same_picture( "f.0101.exr", "shot-101.exr" );
     expect_same_picture( "f.0110.exr", "shot-110.exr" );
-    cli_leave();
 }
 
-TEST( test_geometry_is_as_rendered )
+BLENDER_TEST( test_geometry_is_as_rendered )
 {
-    if ( !enter_with_blender() )
-        skip();
-    assert_int_equal( cli_run( MAKE "blender_geometry.py > log 2>&1" )->status, 0 );
-    const CliResult* done = cli_run( BLENDER "geometry.blend -P " SCRIPT "geometry.glb 2>&1" );
-    assert_int_equal( done->status, 0 );
-    assert_non_null( strstr( done->out, "'cutter': left out, as hidden in renders" ) );
-    assert_non_null( strstr( done->out, "warning: 'hole in the picture': left out: holdouts do not exist in Reframe" ) );
+    blender_make( "shot --samples 64 geometry" );
+    const CliResult* done = blender_exported( "geometry", "2>&1" );
+    expect_said( done->out, "'cutter': left out, as hidden in renders" );
+    expect_said( done->out, "warning: 'hole in the picture': left out: holdouts do not exist in Reframe" );
     done = cli_run( "$R render geometry.glb -o g.exr --group 0 --tile 1 --spp 64 --filter box --quiet" );
     cli_expect( done, 0, NULL );
     expect_same_picture( "g.exr", "geometry-1.exr" );
-    cli_leave();
 }

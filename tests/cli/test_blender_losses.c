@@ -1,11 +1,6 @@
 // What scripts/blender/export.py cannot carry is named, with the object: small scenes made inside Blender
 // (support/blender_losses.py) are exported, and the warnings read. Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
-#include "support/test.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define MOST 24
 #define UNSEEN "lamps that light as in Blender, but are not seen in mirrors, and light nothing through solid glass: "
@@ -19,17 +14,11 @@ static bool is_told( const char* err, const char* text )
     return strstr( err, line ) != NULL;
 }
 
-// Makes the scene, exports it, and compares all losses and warnings with those told. The folder stays.
-static void export_and_expect( const char* scene, const char* const told[MOST] )
+// Makes the scene, exports it, and compares all losses and warnings with those told.
+static void expect_warnings( const char* scene, const char* const told[MOST] )
 {
-    if ( !enter_with_blender() )
-        skip();
-    cli_expect( cli_run( BLENDER "--factory-startup --python-exit-code 9 -P " REFRAME_SOURCE_DIR
-                                 "/tests/support/blender_losses.py -- %s > log 2>&1",
-                         scene ),
-                0, NULL );
-    const CliResult* done =
-        cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb --bake-cache cache --accept-losses > log", scene, scene );
+    blender_make( "losses %s", scene );
+    const CliResult* done = blender_export( scene, "--accept-losses" );
     assert_int_equal( done->status, 0 );
     int count = 0, lines = 0;
     for ( ; told[count] != NULL; ++count )
@@ -39,12 +28,6 @@ static void export_and_expect( const char* scene, const char* const told[MOST] )
         ++lines;
     if ( lines != count )
         fail_msg( "%s: %d lines instead of %d:\n%s", scene, lines, count, done->err );
-}
-
-static void expect_warnings( const char* scene, const char* const told[MOST] )
-{
-    export_and_expect( scene, told );
-    cli_leave();
 }
 
 // Is there a node of this name, of two parts, in the .glb? Its JSON begins behind 20 bytes.
@@ -59,9 +42,9 @@ static bool has_node( const char* file, const char* name, const char* more )
     return found;
 }
 
-TEST( test_plain_scene_has_no_warning ) { expect_warnings( "plain", ( const char* const[MOST] ){ NULL } ); }
+BLENDER_TEST( test_plain_scene_has_no_warning ) { expect_warnings( "plain", ( const char* const[MOST] ){ NULL } ); }
 
-TEST( test_lamps_that_rays_treat_otherwise )
+BLENDER_TEST( test_lamps_that_rays_treat_otherwise )
 {
     expect_warnings( "lamps", ( const char* const[MOST] ){
                                   "'through walls': lights through everything in Blender: throws shadows here",
@@ -73,11 +56,9 @@ TEST( test_lamps_that_rays_treat_otherwise )
 }
 
 // Where the light of the whole picture is lost, nothing is written, what was there stays, and all losses are told.
-TEST( test_losses_are_errors )
+BLENDER_TEST( test_losses_are_errors )
 {
-    if ( !enter_with_blender() )
-        skip();
-    assert_int_equal( cli_run( BLENDER_MAKE "blender_losses.py -- lamps > log 2>&1" )->status, 0 );
+    blender_make( "losses lamps" );
     assert_int_equal( cli_run( "mkdir out && echo old > out/old.glb && echo old > out/old-sky.exr" )->status, 0 );
     const CliResult* done = cli_run( BLENDER "lamps.blend -P " BLENDER_SCRIPT "out/old.glb --frames 1-100 --overwrite > log" );
     assert_int_equal( done->status, 1 );
@@ -88,14 +69,16 @@ TEST( test_losses_are_errors )
     assert_string_equal( cli_run( "ls -A out && cat out/*" )->out, "old-sky.exr\nold.glb\nold\nold\n" );
     assert_string_equal( cli_run( "grep -v '^Blender\\|^Read\\|^$' log | head -2" )->out,
                          "blender-export: frame 10/100\nblender-export: frame 20/100\n" );
-    cli_leave();
 }
 
 // Of Blender 4.
-TEST( test_lamps_of_blender_4 )
+BLENDER_TEST( test_lamps_of_blender_4 )
 {
-    if ( blender_major() < 4 )
+    if ( !blender_is_4() )
+    {
+        cli_leave();
         skip();
+    }
     expect_warnings( "linked", ( const char* const[MOST] ){
                                    "'cube', 'for some': lights some objects only in Blender (light linking): all here",
                                    "'past some': only some objects throw its shadows in Blender (shadow linking): all do here",
@@ -103,7 +86,7 @@ TEST( test_lamps_of_blender_4 )
                                } );
 }
 
-TEST( test_instances_are_reported_as_well )
+BLENDER_TEST( test_instances_are_reported_as_well )
 {
     expect_warnings( "instances", ( const char* const[MOST] ){
                                       "'torch': lights through everything in Blender: throws shadows here",
@@ -116,16 +99,15 @@ TEST( test_instances_are_reported_as_well )
                                   } );
 }
 
-TEST( test_objects_that_are_hidden_in_some_frames )
+BLENDER_TEST( test_objects_that_are_hidden_in_some_frames )
 {
-    export_and_expect( "switched", ( const char* const[MOST] ){ NULL } );
+    expect_warnings( "switched", ( const char* const[MOST] ){ NULL } );
     assert_true( has_node( "switched.glb", "goes", "" ) && has_node( "switched.glb", "comes", "" ) &&
                  has_node( "switched.glb", "stays", "" ) && has_node( "switched.glb", "piece", "" ) );
     assert_false( has_node( "switched.glb", "is away", "" ) );
-    cli_leave();
 }
 
-TEST( test_what_changes )
+BLENDER_TEST( test_what_changes )
 {
     expect_warnings( "changes",
                      ( const char* const[MOST] ){
@@ -140,7 +122,7 @@ TEST( test_what_changes )
                      } );
 }
 
-TEST( test_what_blender_does_to_pictures )
+BLENDER_TEST( test_what_blender_does_to_pictures )
 {
     expect_warnings( "pictures", ( const char* const[MOST] ){
                                      "Freestyle's lines are left out",
@@ -151,9 +133,9 @@ TEST( test_what_blender_does_to_pictures )
                                  } );
 }
 
-TEST( test_what_takes_light_away )
+BLENDER_TEST( test_what_takes_light_away )
 {
-    export_and_expect(
+    expect_warnings(
         "darkness",
         ( const char* const[MOST] ){
             "loss: 'dark area': lamp: takes light away in Blender: left out",
@@ -165,51 +147,48 @@ TEST( test_what_takes_light_away )
             "'bright': material 'bright': reflects more light than arrives in Blender: its colour is "
             "taken as 1 at most",
             "loss: world 'sky' takes light away in Blender: left out",
-            blender_major() < 4
+            !blender_is_4()
                 ? "'bright': material 'bright': reflects more light than arrives in Blender: its diffuse part is 8 % darker"
                 : NULL,
         } );
     assert_true( has_node( "darkness.glb", "twice area", "" ) && has_node( "darkness.glb", "key area", "" ) );
     // the file is one that is read
     cli_expect( cli_run( "$R info darkness.glb > log" ), 0, NULL );
-    cli_leave();
 }
 
 // Which of two lamps of one name gets a number is up to Blender.
-TEST( test_lamps_of_instances_in_view )
+BLENDER_TEST( test_lamps_of_instances_in_view )
 {
-    bool is_4 = blender_major() >= 4;
+    bool is_4 = blender_is_4();
     const char* seen = is_4 ? "panel" : "panel.001";
     const char* behind = is_4 ? "panel.001" : "panel";
-    export_and_expect( "placed_lamps",
-                       ( const char* const[MOST] ){ is_4 ? UNSEEN "'torch', 'panel'" : UNSEEN "'torch.001', 'panel.001'" } );
+    expect_warnings( "placed_lamps",
+                     ( const char* const[MOST] ){ is_4 ? UNSEEN "'torch', 'panel'" : UNSEEN "'torch.001', 'panel.001'" } );
     assert_true( has_node( "placed_lamps.glb", behind, " area" ) && has_node( "placed_lamps.glb", seen, "" ) );
     assert_false( has_node( "placed_lamps.glb", seen, " area" ) );
-    cli_leave();
 }
 
-TEST( test_what_cycles_leaves_out_by_its_settings )
+BLENDER_TEST( test_what_cycles_leaves_out_by_its_settings )
 {
-    export_and_expect( "cycles_settings",
-                       ( const char* const[MOST] ){
-                           "light ends after few bounces in Blender (8 in all, 2 glossy): it goes on here (see --max-depth)",
-                           "caustics by mirrors are off in Blender: on here",
-                           "caustics by glass are off in Blender: on here",
-                           "light is clamped in Blender: all of it is here",
-                           "light is approximated after some bounces in Blender (fast GI): not here",
-                           "the film is transparent behind glass in Blender: glass shows the world here",
-                           "the view's curves are left out",
-                           "'once': lights by few bounces in Blender: by all here",
-                           "'cube': material 'veil': has no transparent shadows in Blender: has them here",
-                           "'rock': adaptive subdivision: taken as 5 further levels",
-                       } );
+    expect_warnings( "cycles_settings",
+                     ( const char* const[MOST] ){
+                         "light ends after few bounces in Blender (8 in all, 2 glossy): it goes on here (see --max-depth)",
+                         "caustics by mirrors are off in Blender: on here",
+                         "caustics by glass are off in Blender: on here",
+                         "light is clamped in Blender: all of it is here",
+                         "light is approximated after some bounces in Blender (fast GI): not here",
+                         "the film is transparent behind glass in Blender: glass shows the world here",
+                         "the view's curves are left out",
+                         "'once': lights by few bounces in Blender: by all here",
+                         "'cube': material 'veil': has no transparent shadows in Blender: has them here",
+                         "'rock': adaptive subdivision: taken as 5 further levels",
+                     } );
     assert_non_null( strstr( cli_run( "$R info cycles_settings.glb" )->out, ", with alpha\n" ) );
-    cli_leave();
 }
 
-TEST( test_what_meshes_carry_over_time ) { expect_warnings( "carried", ( const char* const[MOST] ){ NULL } ); }
+BLENDER_TEST( test_what_meshes_carry_over_time ) { expect_warnings( "carried", ( const char* const[MOST] ){ NULL } ); }
 
-TEST( test_missing_films_are_named_once )
+BLENDER_TEST( test_missing_films_are_named_once )
 {
     expect_warnings( "gone",
                      ( const char* const[MOST] ){

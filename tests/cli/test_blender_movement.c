@@ -2,27 +2,16 @@
 // (support/blender_movement.py) are exported, and support/blender_compare.py compares every object and instance with Blender's.
 // Skipped where Blender or its numpy is missing.
 #include "support/blender_run.h"
-#include "support/test.h"
-
-#include "reframe/image.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 static void export_scene( const char* name, const char* options )
 {
-    assert_int_equal( cli_run( BLENDER_MAKE "blender_movement.py -- %s > log 2>&1", name )->status, 0 );
-    const CliResult* done = cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb %s > log", name, name, options );
-    assert_int_equal( done->status, 0 );
-    assert_null( strstr( done->err, "blender-export: loss" ) );
+    blender_make( "movement --samples 64 %s", name );
+    assert_null( strstr( blender_exported( name, options )->err, "blender-export: loss" ) );
 }
 
 // Every frame that was exported has what Blender shows in it.
 static void expect_movement( const char* name, const char* options, int step, int things )
 {
-    if ( !enter_with_blender() )
-        skip();
     export_scene( name, options );
     const CliResult* done =
         cli_run( BLENDER "%s.blend --python-exit-code 9 -P " REFRAME_SOURCE_DIR "/tests/support/blender_compare.py -- %s.glb %d",
@@ -32,49 +21,20 @@ static void expect_movement( const char* name, const char* options, int step, in
     snprintf( text, sizeof text, "compared %d things", things );
     if ( strstr( done->out, "things differ" ) != NULL || strstr( done->out, text ) == NULL )
         fail_msg( "%s: wanted '%s':\n%s", name, text, done->out );
-    cli_leave();
 }
 
-TEST( test_what_moves_rigidly ) { expect_movement( "rigid", "", 1, 199 ); }
+BLENDER_TEST( test_what_moves_rigidly ) { expect_movement( "rigid", "", 1, 199 ); }
 
-TEST( test_particles_instances_and_physics ) { expect_movement( "many", "", 1, 580 ); }
+BLENDER_TEST( test_particles_instances_and_physics ) { expect_movement( "many", "", 1, 580 ); }
 
 // Simulations go through the frames that are left out.
-TEST( test_steps ) { expect_movement( "many", "--frames 1-12x4", 4, 145 ); }
+BLENDER_TEST( test_steps ) { expect_movement( "many", "--frames 1-12x4", 4, 145 ); }
 
-static double sum_of( const RfImage* image )
-{
-    double sum = 0.0;
-    for ( size_t i = 0; i < 3 * (size_t)image->width * (size_t)image->height; ++i )
-        sum += (double)image->rgb[i];
-    return sum;
-}
-
-static double difference_of( const char* a, const char* b )
-{
-    RfImage image[2];
-    for ( int i = 0; i < 2; ++i )
-    {
-        char path[512];
-        RfError error;
-        snprintf( path, sizeof path, "%s/%s", cli_folder(), i == 0 ? a : b );
-        if ( rf_read_exr( path, image + i, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-    }
-    double difference = 0.0;
-    for ( size_t i = 0; i < 3 * (size_t)image[0].width * (size_t)image[0].height; ++i )
-        difference += fabs( (double)image[0].rgb[i] - (double)image[1].rgb[i] );
-    difference /= sum_of( image + 1 );
-    rf_destroy_image( image );
-    rf_destroy_image( image + 1 );
-    return difference;
-}
+static double difference_of( const char* a, const char* b ) { return picture_difference( a, b, 1, 1 ).pixels; }
 
 // What turns, goes and appears, blurred as in Cycles.
-TEST( test_blurred_frames_are_those_of_cycles )
+BLENDER_TEST( test_blurred_frames_are_those_of_cycles )
 {
-    if ( !enter_with_blender() )
-        skip();
     export_scene( "film", "" );
     cli_expect( cli_run( "$R render film.glb -o f.####.exr --frames 4,5 --group 0 --tile 1 --spp 64 --filter box --quiet" ), 0,
                 NULL );
@@ -82,14 +42,11 @@ TEST( test_blurred_frames_are_those_of_cycles )
     print_message( "difference %.4f and %.4f\n", before, after );
     assert_true( before < 0.06 && after < 0.06 );
     assert_true( difference_of( "f.0004.exr", "film-5.exr" ) > 0.2 ); // what appears is seen
-    cli_leave();
 }
 
 // A marker changes the camera in frame 4: with the shutter open for all of a frame, frames 3 and 4 are those of each camera alone.
-TEST( test_cuts_are_not_blurred )
+BLENDER_TEST( test_cuts_are_not_blurred )
 {
-    if ( !enter_with_blender() )
-        skip();
     export_scene( "edit", "" );
     static const char* const s_cameras[] = { "Eye", "Side" };
 #define RENDER_EDIT "$R render %s.glb -o %s.####.exr --frames %s --size 32x24 --spp 64 --tile 1 --quiet"
@@ -109,5 +66,4 @@ TEST( test_cuts_are_not_blurred )
     cli_expect( cli_run( RENDER_EDIT, "edit", "all", "1-6" ), 0, NULL );
     cli_expect( cli_run( RENDER_EDIT, "edit", "last", "4-6" ), 0, NULL );
     assert_int_equal( cli_run( "cmp all.0004.exr last.0004.exr" )->status, 0 );
-    cli_leave();
 }

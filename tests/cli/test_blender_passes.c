@@ -3,35 +3,21 @@
 // missing.
 #include "support/blender_run.h"
 #include "support/statistics.h"
-#include "support/test.h"
 
 #include "gltf/gltf.h"
 #include "scene/light_groups.h"
 #include "scene/surfaces.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define SIZE "64x36"
 #define SAMPLES 128 // of a pixel, traced for the frame itself
 #define SEEDS 8
 #define PARTS 36 // three channels of 12 parts of the picture
 
-static const char* run_script( const char* arguments )
-{
-    const CliResult* done =
-        cli_run( BLENDER_MAKE "blender_passes.py -- %s > log 2>&1; s=$?; grep -v '^Fra:\\|^Saved' log; exit $s", arguments );
-    if ( done->status != 0 )
-        fail_msg( "%s", done->out );
-    return done->out;
-}
-
 // Exports a scene; returns the options for the passes of its view layer.
 static const char* export_scene( const char* scene )
 {
     static char s_options[1024];
-    const CliResult* done = cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb --no-bake 2> err", scene, scene );
+    const CliResult* done = blender_export( scene, "--no-bake 2> err" );
     const char *begin = strstr( done->out, "passes of 'ViewLayer': " ), *end = begin != NULL ? strchr( begin, '\n' ) : NULL;
     if ( done->status != 0 || end == NULL )
         fail_msg( "%s: says of no passes: %s", scene, done->out );
@@ -39,15 +25,9 @@ static const char* export_scene( const char* scene )
     return s_options;
 }
 
-static int find_material( const RfScene* scene, const char* name )
+static int material_index( const RfScene* scene, const char* name )
 {
-    for ( uint32_t i = 0; i < scene->material_count; ++i )
-    {
-        if ( strcmp( scene->materials[i].name, name ) == 0 )
-            return (int)i;
-    }
-    fail_msg( "there is no material '%s'", name );
-    return -1;
+    return (int)( find_material( scene, name ) - scene->materials );
 }
 
 // An object with this name, asset and number.
@@ -62,19 +42,11 @@ static bool has_object( const RfScene* scene, const char* name, const char* asse
     return false;
 }
 
-TEST( test_names_and_groups_are_carried )
+BLENDER_TEST( test_names_and_groups_are_carried )
 {
-    if ( !enter_with_blender() )
-        skip();
-    run_script( "make" );
+    blender_make( "passes make" );
     export_scene( "passes" );
-    char path[512];
-    snprintf( path, sizeof path, "%s/passes.glb", cli_folder() );
-    RfScene scene;
-    RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    AUTO_SCENE scene = convert_load( "passes.glb" );
     static const struct
     {
         const char *name, *asset;
@@ -87,48 +59,33 @@ TEST( test_names_and_groups_are_carried )
             fail_msg( "there is no object '%s' of '%s' with the index %d", s_objects[i].name, s_objects[i].asset,
                       s_objects[i].pass_index );
     }
-    assert_int_equal( scene.materials[find_material( &scene, "Red paint" )].pass_index, 3 );
-    assert_int_equal( scene.materials[find_material( &scene, "Blue.001" )].pass_index, 7 );
-    RfLightGroups groups;
+    assert_int_equal( find_material( &scene, "Red paint" )->pass_index, 3 );
+    assert_int_equal( find_material( &scene, "Blue.001" )->pass_index, 7 );
+    AUTO_BY( rf_destroy_light_groups ) RfLightGroups groups;
     assert_int_equal( rf_find_light_groups( &scene, "all", &groups, NULL ), RF_OK );
     assert_int_equal( groups.count, 2 ); // all light is in one of them
     assert_string_equal( groups.names[groups.punctual[0]], "fill light" );
     assert_string_equal( groups.names[groups.sky], "fill light" );
-    assert_string_equal( groups.names[groups.material[find_material( &scene, "Key" )]], "key" );
-    assert_string_equal( groups.names[groups.material[find_material( &scene, "Top" )]], "fill light" );
-    rf_destroy_light_groups( &groups );
-    rf_destroy_scene( &scene );
-    cli_leave();
+    assert_string_equal( groups.names[groups.material[material_index( &scene, "Key" )]], "key" );
+    assert_string_equal( groups.names[groups.material[material_index( &scene, "Top" )]], "fill light" );
 }
 
-static void expect_text( const char* text, const char* part )
+BLENDER_TEST( test_compositor_takes_the_passes )
 {
-    if ( strstr( text, part ) == NULL )
-        fail_msg( "does not say: %s\n%s", part, text );
-}
-
-TEST( test_compositor_takes_the_passes )
-{
-    if ( !enter_with_blender() )
-        skip();
-    run_script( "make" );
+    blender_make( "passes make" );
     const char* options = export_scene( "passes" );
     assert_string_equal( options, "--aov depth,normal,motion,object_index,material_index,denoise_albedo,denoise_normal "
                                   "--cryptomatte object,material,asset --light-groups all --compression zips --names blender" );
     size_t size;
-    char* said = cli_read( "err", &size );
-    expect_text( said, "Cryptomatte of 'ViewLayer': 6 levels here, not 8\n" );
-    expect_text( said, "passes of 'ViewLayer' that are not rendered here: Mist\n" );
-    free( said );
+    AUTO_FREE char* said = cli_read( "err", &size );
+    expect_said( said, "Cryptomatte of 'ViewLayer': 6 levels here, not 8\n" );
+    expect_said( said, "passes of 'ViewLayer' that are not rendered here: Mist\n" );
     cli_expect( cli_run( "$R render passes.glb -o f.####.exr --size " SIZE " --spp %d --group 1 %s --quiet", SAMPLES, options ),
                 0, NULL );
-    char arguments[80];
-    snprintf( arguments, sizeof arguments, "look f.0002.exr %d", SAMPLES );
-    const char* found = run_script( arguments );
-    expect_text( found, "the passes are Blender's\n" );
+    const char* found = blender_make( "passes look f.0002.exr %d", SAMPLES )->out;
+    expect_said( found, "the passes are Blender's\n" );
     if ( strstr( found, "no OpenImageDenoise" ) != NULL )
         print_message( "skipped: the Denoise node, without OpenImageDenoise\n" );
-    cli_leave();
 }
 
 // Of the frame with each seed: its groups mixed anew, and the frame itself.
@@ -150,7 +107,7 @@ static void render_seeds( const char* scene, uint64_t seed, const char* options,
                     0, NULL );
         at += snprintf( at, (size_t)( arguments + sizeof arguments - at ), " %s-%d.0002.exr", scene, i );
     }
-    run_script( arguments );
+    blender_make( "passes %s", arguments );
     char name[80];
     snprintf( name, sizeof name, "%s.txt", scene );
     size_t size;
@@ -167,18 +124,15 @@ static void render_seeds( const char* scene, uint64_t seed, const char* options,
 }
 
 // Lamps of two groups dimmed in the compositor give the picture of lamps that are dimmed.
-TEST( test_groups_are_balanced_in_the_compositor )
+BLENDER_TEST( test_groups_are_balanced_in_the_compositor )
 {
-    if ( !enter_with_blender() )
-        skip();
-    run_script( "make" );
+    blender_make( "passes make" );
     export_scene( "passes" );
-    expect_text( export_scene( "balanced" ),
+    expect_said( export_scene( "balanced" ),
                  "--light-groups all --compression dwaa --names blender" ); // --float is refused beside it
     size_t size;
-    char* said = cli_read( "err", &size );
-    expect_text( said, "files of 'Scene': colours that DWAA compresses have 16 bits\n" );
-    free( said );
+    AUTO_FREE char* said = cli_read( "err", &size );
+    expect_said( said, "files of 'Scene': colours that DWAA compresses have 16 bits\n" );
     static Means s_split, s_dimmed;
     render_seeds( "passes", 1, "--light-groups all --names blender", &s_split );
     render_seeds( "balanced", 101, "--names blender", &s_dimmed );
@@ -193,7 +147,6 @@ TEST( test_groups_are_balanced_in_the_compositor )
     }
     if ( apart < PARTS / 2 )
         fail_msg( "only %d of %d means tell the picture from the dimmed one", apart, PARTS );
-    cli_leave();
 }
 
 STATISTICAL_TESTS

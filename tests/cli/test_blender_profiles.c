@@ -3,26 +3,9 @@
 #include "gltf/gltf.h"
 #include "light/punctual.h"
 #include "support/blender_run.h"
-#include "support/test.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define PI 3.14159265358979324
 #define WATT ( 4.0 * PI / 177.83 ) // of a lamp, for a candela of a file
-
-static const RfPunctual* find_lamp( const RfScene* scene, const char* name )
-{
-    for ( int i = 0; i < scene->punctual_count; ++i )
-    {
-        if ( strcmp( scene->punctuals[i].name, name ) == 0 )
-            return scene->punctuals + i;
-    }
-    fail_msg( "there is no lamp %s", name );
-    return NULL;
-}
 
 // The red intensity in a direction of Blender's world.
 static double intensity( const RfPunctual* lamp, double x, double y, double z )
@@ -70,33 +53,18 @@ static void check_lamps( const RfScene* scene, bool is_4 )
     assert_near( intensity( wide, ( is_4 ? 2.0 : 1.0 ) * sin( down ), 0, -cos( down ) ), 10.0 * 0.5 * ( is_4 ? 1.0 : own ) );
 }
 
-TEST( test_profiles_are_those_of_cycles )
+BLENDER_TEST( test_profiles_are_those_of_cycles )
 {
-    bool is_4 = blender_major() >= 4;
-    if ( !enter_with_blender() )
-        skip();
-    cli_expect( cli_run( BLENDER_MAKE "blender_profiles.py > log 2>&1" ), 0, NULL );
-    const CliResult* done = cli_run( BLENDER "lamps.blend -P " BLENDER_SCRIPT "lamps.glb > log" );
-    assert_int_equal( done->status, 0 );
-    assert_null( strstr( done->err, "warning" ) );
-    RfScene scene;
-    RfError error;
-    RfLog log = { 0 };
-    char path[512];
-    snprintf( path, sizeof path, "%s/lamps.glb", cli_folder() );
-    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    check_lamps( &scene, is_4 );
-    rf_destroy_scene( &scene );
-    cli_leave();
+    blender_make( "profiles lamps" );
+    assert_null( strstr( blender_exported( "lamps", "" )->err, "warning" ) );
+    AUTO_SCENE scene = convert_load( "lamps.glb" );
+    check_lamps( &scene, blender_is_4() );
 }
 
-TEST( test_what_has_no_profile_is_lost_by_name )
+BLENDER_TEST( test_what_has_no_profile_is_lost_by_name )
 {
-    if ( !enter_with_blender() )
-        skip();
-    cli_expect( cli_run( BLENDER_MAKE "blender_profiles.py -- lost > log 2>&1" ), 0, NULL );
-    const CliResult* done = cli_run( BLENDER "lamps.blend -P " BLENDER_SCRIPT "lamps.glb > log" );
+    blender_make( "profiles lost" );
+    const CliResult* done = blender_export( "lost", "" );
     assert_int_equal( done->status, 1 );
     static const char* const told[] = {
         "'panel': lamp, node 'IES Texture': its IES file is taken as the same to all sides: a lamp of the type area has no "
@@ -107,10 +75,5 @@ TEST( test_what_has_no_profile_is_lost_by_name )
         "it",
         "'gobo': lamp, node 'Vector Math': varies or is not known here: the lamp is taken without its nodes",
     };
-    for ( size_t i = 0; i < sizeof told / sizeof *told; ++i )
-    {
-        if ( strstr( done->err, told[i] ) == NULL )
-            fail_msg( "is not told: %s\nbut:\n%s", told[i], done->err );
-    }
-    cli_leave();
+    EXPECT_ALL_SAID( done->err, told );
 }

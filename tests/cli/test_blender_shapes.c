@@ -1,16 +1,12 @@
 // scripts/blender/export.py on what deforms and what changes its topology: every corner of the mesh that Blender evaluates in a
 // frame is in the posed scene, with its normal, and nothing else is.
 #include "support/blender_run.h"
-#include "support/test.h"
 
 #include "base/file.h"
 #include "gltf/gltf.h"
 #include "scene/deformation.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
-
-#include <math.h>
-#include <string.h>
 
 #define SIZE 2.0 // of each object
 #define NEAR ( 1e-5 * SIZE )
@@ -46,7 +42,7 @@ static void add_corners( const RfTriangles* t, const RfMat4* matrix, Corner** al
 // The corners of all triangles at a time, by x.
 static size_t pose( const RfScene* scene, double time, Corner** all )
 {
-    RfPosedScene posed = { 0 };
+    AUTO_POSE posed = { 0 };
     RfError error;
     if ( rf_pose_scene( scene, time, &posed, &error ) != RF_OK )
         fail_msg( "%s", error.text );
@@ -59,7 +55,6 @@ static size_t pose( const RfScene* scene, double time, Corner** all )
         if ( placement->shown )
             add_corners( &posed.scene.meshes[placement->mesh].triangles, &placement->matrix, all, &count );
     }
-    rf_destroy_pose( &posed );
     qsort( *all, count, sizeof **all, by_x );
     return count;
 }
@@ -127,19 +122,16 @@ static void expect_corners( const RfScene* scene, const uint8_t* data, size_t si
 // Exports a .blend, and expects the corners that Blender has.
 static void expect_blenders( const char* name, RfScene* scene )
 {
-    cli_expect( cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb", name, name ), 0, NULL );
+    cli_expect( blender_export( name, "" ), 0, NULL );
     char path[512];
-    snprintf( path, sizeof path, "%s/%s.glb", cli_folder(), name );
     RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    uint8_t* data;
+    snprintf( path, sizeof path, "%s.glb", name );
+    *scene = convert_load( path );
+    AUTO_FREE uint8_t* data;
     size_t size;
     snprintf( path, sizeof path, "%s/%s.bin", cli_folder(), name );
     assert_int_equal( rf_read_file( path, 1 << 30, &data, &size, &error ), RF_OK );
     expect_corners( scene, data, size );
-    free( data );
 }
 
 // Of two keys a target each, and few for normals, which are not linear, in the place of one for each frame; of bones none that
@@ -165,11 +157,9 @@ static void expect_few_targets( const RfScene* scene )
     assert_int_equal( others, 2 );
 }
 
-TEST( test_shapes_are_blenders )
+BLENDER_TEST( test_shapes_are_blenders )
 {
-    if ( !enter_with_blender() )
-        skip();
-    assert_int_equal( cli_run( BLENDER_MAKE "blender_shapes.py > log 2>&1" )->status, 0 );
+    blender_make( "shapes" );
     RfScene scene;
     expect_blenders( "shapes", &scene );
     assert_true( scene.mesh_count < 40 ); // none for each frame of what instances show
@@ -191,5 +181,4 @@ TEST( test_shapes_are_blenders )
     assert_non_null( strstr( done->err,
                              "loss: 'skin': keeps its shape from frame 2 on: the shapes of all objects take more than 0 GiB: "
                              "export fewer frames\n" ) );
-    cli_leave();
 }

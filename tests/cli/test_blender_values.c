@@ -2,36 +2,20 @@
 // (support/blender_values.py) are exported, read at several frames, and rendered beside Cycles. Skipped where Blender or its
 // numpy is missing.
 #include "support/blender_run.h"
-#include "support/test.h"
 
 #include "gltf/gltf.h"
 #include "reframe/image.h"
 #include "scene/pose.h"
 #include "scene/textured.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define FRAMES 5
 
 static void make_and_export( const char* scene, const char* options )
 {
-    cli_expect( cli_run( BLENDER_MAKE "blender_values.py -- %s %s > log 2>&1", options, scene ), 0, NULL );
-    const CliResult* done = cli_run( BLENDER "%s.blend -P " BLENDER_SCRIPT "%s.glb --bake 64 --bake-cache cache", scene, scene );
-    if ( done->status != 0 || strstr( done->err, "loss" ) != NULL || strstr( done->err, "not understood" ) != NULL )
+    blender_make( "values %s %s", options, scene );
+    const CliResult* done = blender_exported( scene, "--bake 64" );
+    if ( strstr( done->err, "loss" ) != NULL )
         fail_msg( "%s: %s", scene, done->err );
-}
-
-static void load( const char* name, RfScene* scene )
-{
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfError error;
-    RfLog log = { 0 };
-    if ( rf_load_gltf( path, scene, &log, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
 }
 
 // As in a frame of Blender's, of which 1 is the first.
@@ -40,17 +24,6 @@ static void pose( const RfScene* scene, int frame, RfPosedScene* posed )
     RfError error;
     if ( rf_pose_scene( scene, ( frame - 1 ) / 24.0, posed, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-}
-
-static const RfMaterial* find_material( const RfScene* scene, const char* name )
-{
-    for ( uint32_t i = 0; i < scene->material_count; ++i )
-    {
-        if ( strcmp( scene->materials[i].name, name ) == 0 )
-            return scene->materials + i;
-    }
-    fail_msg( "there is no material '%s'", name );
-    return NULL;
 }
 
 static void expect( const char* what, int frame, double found, double value )
@@ -83,16 +56,6 @@ static void check_surfaces( const RfPosedScene* posed, int frame, double red )
     expect( "what is driven", frame, factors_of( posed, "driven" )->base[1], 0.1 * frame );
 }
 
-static double mean_in( const RfImage* image, int column, int row )
-{
-    double sum = 0.0;
-    int width = image->width / 3, height = image->height / 2;
-    for ( int y = row * height; y < ( row + 1 ) * height; ++y )
-        for ( int x = 3 * column * width; x < 3 * ( column + 1 ) * width; ++x )
-            sum += (double)image->rgb[(size_t)y * 3 * (size_t)image->width + (size_t)x];
-    return sum / ( 3.0 * width * height );
-}
-
 // Each of six parts of the picture is as bright as by Cycles, in the first frame, the last, and between.
 static void compare( const char* scene, double room )
 {
@@ -102,57 +65,35 @@ static void compare( const char* scene, double room )
         0, NULL );
     for ( int frame = 1; frame <= FRAMES; frame += 2 )
     {
-        RfImage image[2];
-        for ( int i = 0; i < 2; ++i )
-        {
-            char path[512];
-            RfError error;
-            snprintf( path, sizeof path, i == 0 ? "%s/%s-%04d.exr" : "%s/%s-%d.exr", cli_folder(), scene, frame );
-            if ( rf_read_exr( path, image + i, &error ) != RF_OK )
-                fail_msg( "%s", error.text );
-        }
-        for ( int part = 0; part < 6; ++part )
-        {
-            double ours = mean_in( image, part % 3, part / 3 ), theirs = mean_in( image + 1, part % 3, part / 3 );
-            if ( !( fabs( ours - theirs ) <= room * theirs + 1e-3 ) )
-                fail_msg( "%s: part %d of frame %d: %.4f, not %.4f", scene, part, frame, ours, theirs );
-        }
-        rf_destroy_image( image );
-        rf_destroy_image( image + 1 );
+        char ours[80], theirs[80];
+        snprintf( ours, sizeof ours, "%s-%04d.exr", scene, frame );
+        snprintf( theirs, sizeof theirs, "%s-%d.exr", scene, frame );
+        assert_true( picture_difference( ours, theirs, 3, 2 ).worst <= room );
     }
 }
 
-TEST( test_numbers_of_shaders )
+BLENDER_TEST( test_numbers_of_shaders )
 {
-    if ( !enter_with_blender() )
-        skip();
     make_and_export( "surfaces", "" );
-    RfScene scene;
-    load( "surfaces.glb", &scene );
+    AUTO_SCENE scene = convert_load( "surfaces.glb" );
     double red = 0.8;
     for ( int frame = 1; frame <= FRAMES; ++frame )
     {
-        RfPosedScene posed = { 0 };
+        AUTO_POSE posed = { 0 };
         pose( &scene, frame, &posed );
         if ( frame == 1 )
             red = factors_of( &posed, "paint" )->base[0]; // whose diffuse part is a little darker in Blender 3
         check_surfaces( &posed, frame, red );
-        rf_destroy_pose( &posed );
     }
     assert_true( fabs( red - 0.8 ) < 0.01 );
-    rf_destroy_scene( &scene );
-    cli_leave();
 }
 
-TEST( test_pictures_that_change )
+BLENDER_TEST( test_pictures_that_change )
 {
-    if ( !enter_with_blender() )
-        skip();
     make_and_export( "pictures", "--samples 64" );
     compare( "pictures", 0.05 );
     make_and_export( "movie", "--samples 16" );
     compare( "movie", 0.05 );
-    cli_leave();
 }
 
 static void check_sky( const RfPosedScene* posed, int frame )
@@ -165,34 +106,28 @@ static void check_sky( const RfPosedScene* posed, int frame )
 
 static void check_frames( const char* scene, void ( *check )( const RfPosedScene* posed, int frame ) )
 {
-    RfScene loaded;
-    load( scene, &loaded );
+    AUTO_SCENE loaded = convert_load( scene );
     for ( int frame = 1; frame <= FRAMES; ++frame )
     {
-        RfPosedScene posed = { 0 };
+        AUTO_POSE posed = { 0 };
         pose( &loaded, frame, &posed );
         check( &posed, frame );
-        rf_destroy_pose( &posed );
     }
-    rf_destroy_scene( &loaded );
 }
 
-TEST( test_worlds )
+BLENDER_TEST( test_worlds )
 {
-    if ( !enter_with_blender() )
-        skip();
     make_and_export( "dusk", "" );
     check_frames( "dusk.glb", check_sky );
     make_and_export( "panorama", "--samples 64" );
     compare( "panorama", 0.03 );
     make_and_export( "sun", "--samples 64" );
     compare( "sun", 0.03 );
-    assert_int_equal( cli_run( BLENDER_MAKE "blender_values.py -- rises > log 2>&1" )->status, 0 );
-    const CliResult* done = cli_run( BLENDER "rises.blend -P " BLENDER_SCRIPT "rises.glb > log" );
+    blender_make( "values rises" );
+    const CliResult* done = blender_export( "rises", "" );
     assert_int_equal( done->status, 1 );
-    assert_non_null( strstr( done->err, "blender-export: loss: world 'world' changes otherwise than in strength, in its one "
-                                        "colour, or by a turn about the vertical: taken as in the first frame\n" ) );
-    cli_leave();
+    expect_said( done->err, "blender-export: loss: world 'world' changes otherwise than in strength, in its one colour, or by a "
+                            "turn about the vertical: taken as in the first frame\n" );
 }
 
 // By watts: of the lamps that are points in the file.
@@ -214,12 +149,9 @@ static void check_lamps( const RfPosedScene* posed, int frame )
     assert_true( found >= 3 );
 }
 
-TEST( test_lamps )
+BLENDER_TEST( test_lamps )
 {
-    if ( !enter_with_blender() )
-        skip();
     make_and_export( "lamps", "--samples 64" );
     check_frames( "lamps.glb", check_lamps );
     compare( "lamps", 0.05 );
-    cli_leave();
 }

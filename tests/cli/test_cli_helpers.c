@@ -9,9 +9,6 @@
 #include "cli/tune/verdict.h"
 #include "scene/pinhole.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // Of a sequence with these two numbers.
@@ -123,7 +120,7 @@ TEST( test_fingerprints_change_with_every_setting )
     RfRenderOptions options = { .fps = { 24, 1 }, .tile = "1", .settings = rf_default_render_settings() };
     RfScene scene = { .content_hash = 17 };
     RfCameraPath path = { .count = 3, .hash = 5 };
-    RfTracer* tracer;
+    AUTO_TRACER tracer;
     assert_int_equal( rf_create_tracer( &scene, &tracer, NULL ), RF_OK );
     RfOutput subject = { .pattern = "f.####.exr", .tracer = tracer, .path = &path, .settings = options.settings };
     char first[17], other[17];
@@ -148,7 +145,6 @@ TEST( test_fingerprints_change_with_every_setting )
     scene.content_hash = 18;
     rf_frame_fingerprint( &subject, 0, other );
     assert_string_not_equal( first, other );
-    rf_destroy_tracer( tracer );
 }
 
 // relMSE adds up three channels: where each is off by a tenth it is 0.03.
@@ -238,7 +234,7 @@ TEST( test_specks_in_words )
                      .part_count = 1,
                      .parts = { { .kind = RF_SPECK_OTHER, .material = -1, .pixels = 3, .share = 0.4 } } };
     RfSpecks none = { .rest = 0.03 };
-    json_t* frames = json_array();
+    json_auto_t* frames = json_array();
     assert_null( rf_sum_specks( frames ) );
     json_array_append_new( frames, frame_with_specks( 0.9, &one, &scene ) );
     json_t* sum = rf_sum_specks( frames );
@@ -277,7 +273,6 @@ TEST( test_specks_in_words )
     sum = rf_sum_specks( frames );
     assert_true( sum != NULL && !rf_format_specks( sum, text, sizeof text ) );
     json_decref( sum );
-    json_decref( frames );
 }
 
 TEST( test_progress_line_is_short_and_right )

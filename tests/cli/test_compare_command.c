@@ -7,26 +7,24 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 
 static void write_constant( const char* name, int side, float value )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error;
     assert_int_equal( rf_create_image( side, side, &image, &error ), RF_OK );
     for ( int i = 0; i < 3 * side * side; ++i )
         image.rgb[i] = value;
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
-    assert_int_equal( rf_write_exr( temp_path( name ), &image, &options, &error ), RF_OK );
-    rf_destroy_image( &image );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, &error ), RF_OK );
 }
 
 // Runs compare; further arguments up to NULL.
 static int compare( const char* a, const char* b, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "compare", (char*)temp_path( a ), (char*)temp_path( b ), "--json",
-                                           (char*)temp_path( "out.json" ) };
+    char* arguments[COMMAND_ARGUMENTS] = { "compare", (char*)cli_path( a ), (char*)cli_path( b ), "--json",
+                                           (char*)cli_path( "out.json" ) };
     const int count = 5;
     va_list more;
     va_start( more, b );
@@ -39,8 +37,8 @@ TEST( test_two_files_give_exact_figures )
 {
     write_constant( "a.exr", 40, 0.75f );
     write_constant( "b.exr", 40, 0.5f );
-    assert_int_equal( compare( "a.exr", "b.exr", "--diff", temp_path( "d.exr" ), NULL ), 0 );
-    json_t* json = load_json();
+    assert_int_equal( compare( "a.exr", "b.exr", "--diff", cli_path( "d.exr" ), NULL ), 0 );
+    json_auto_t* json = load_json();
     assert_true( fabs( number( json, "relmse" ) - 0.1875 / 0.251 ) < 1e-8 );
     assert_true( fabs( number( json, "relmse_trimmed" ) - 0.1875 / 0.251 ) < 1e-8 );
     assert_true( number( json, "mse" ) == 0.0625 && number( json, "bias" ) == 0.25 && number( json, "max" ) == 0.25 );
@@ -49,11 +47,9 @@ TEST( test_two_files_give_exact_figures )
     const json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 1 );
     assert_true( number( json_array_get( frames, 0 ), "frame" ) == 1.0 );
-    json_decref( json );
-    RfImage diff;
-    assert_int_equal( rf_read_exr( temp_path( "d.exr" ), &diff, NULL ), RF_OK );
+    AUTO_IMAGE diff;
+    assert_int_equal( rf_read_exr( cli_path( "d.exr" ), &diff, NULL ), RF_OK );
     assert_true( diff.rgb[0] == 0.25f && diff.rgb[3 * 1600 - 1] == 0.25f );
-    rf_destroy_image( &diff );
 }
 
 TEST( test_sequences_are_pooled )
@@ -66,7 +62,7 @@ TEST( test_sequences_are_pooled )
         assert_int_equal( rf_sequence_name( "t.####.exr", frame, name, sizeof name, NULL ), RF_OK );
         write_constant( name, 20, 3.0f );
     }
-    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "d.##.exr" ), NULL ), 0 );
+    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", cli_path( "d.##.exr" ), NULL ), 0 );
     json_t* json = load_json();
     const json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 3 );
@@ -75,12 +71,12 @@ TEST( test_sequences_are_pooled )
     assert_true( number( json, "bias" ) == 1.0 && number( json, "max" ) == 2.0 );
     assert_true( fabs( number( json, "mse" ) - 5.0 / 3.0 ) < 1e-8 );
     json_decref( json );
-    assert_int_equal( access( temp_path( "d.05.exr" ), F_OK ), 0 );
-    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", temp_path( "one.exr" ), NULL ), 2 );
+    assert_true( cli_exists( "d.05.exr" ) );
+    assert_int_equal( compare( "s.####.exr", "t.####.exr", "--diff", cli_path( "one.exr" ), NULL ), 2 );
     assert_int_equal( compare( "s.####.exr", "b.exr", NULL ), 2 );
-    assert_int_equal( remove( temp_path( "t.0004.exr" ) ), 0 );
+    assert_int_equal( remove( cli_path( "t.0004.exr" ) ), 0 );
     assert_int_equal( compare( "s.####.exr", "t.####.exr", NULL ), 1 );
-    assert_int_not_equal( access( temp_path( "out.json" ), F_OK ), 0 );
+    assert_false( cli_exists( "out.json" ) );
 }
 
 TEST( test_pixels_not_finite_are_counted )
@@ -119,16 +115,15 @@ TEST( test_what_differs_in_kind_is_refused )
 
 static void write_foreign( const char* name, const Foreign* parts, int count )
 {
-    write_foreign_exr( temp_path( name ), parts, count );
+    write_foreign_exr( cli_path( name ), parts, count );
 }
 
 static void check_number( const char* key, double wanted )
 {
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     double value = number( json, key );
     if ( !( fabs( value - wanted ) <= 1e-8 * fabs( wanted ) ) )
         fail_msg( "%s: %.12g, not %.12g", key, value, wanted );
-    json_decref( json );
 }
 
 // Layers by name, half and float, several parts.
@@ -200,20 +195,17 @@ TEST( test_data_windows_must_agree_or_overlap )
     b.x = 0; // of the same size, elsewhere
     write_foreign( "wb.exr", &b, 1 );
     check_failed( compare( "wa.exr", "wb.exr", NULL ), 1, "the data windows differ" );
-    check_done( compare( "wa.exr", "wb.exr", "--overlap", "--diff", temp_path( "w.exr" ), NULL ) );
+    check_done( compare( "wa.exr", "wb.exr", "--overlap", "--diff", cli_path( "w.exr" ), NULL ) );
     check_number( "bias", -2.0 );
-    RfImage diff;
-    assert_int_equal( rf_read_exr( temp_path( "w.exr" ), &diff, NULL ), RF_OK );
+    AUTO_IMAGE diff;
+    assert_int_equal( rf_read_exr( cli_path( "w.exr" ), &diff, NULL ), RF_OK );
     assert_true( diff.width == 15 && diff.height == 10 && diff.rgb[0] == -2.0f );
-    rf_destroy_image( &diff );
-    RfExrHeader header;
-    assert_int_equal( rf_read_exr_header( temp_path( "w.exr" ), NULL, &header, NULL ), RF_OK );
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
+    assert_int_equal( rf_read_exr_header( cli_path( "w.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.x == 0 && header.y == 3 && header.width == 15 && header.height == 10 ); // where the pixels were
-    rf_destroy_exr_header( &header );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     const json_t* worst = json_object_get( json, "worst" );
     assert_true( number( worst, "x" ) == 0.0 && number( worst, "y" ) == 3.0 );
-    json_decref( json );
     b.width = 21;
     b.x = -5;
     write_foreign( "wb.exr", &b, 1 );
@@ -222,7 +214,7 @@ TEST( test_data_windows_must_agree_or_overlap )
     write_foreign( "wb.exr", &b, 1 );
     check_failed( compare( "wa.exr", "wb.exr", "--overlap", NULL ), 1, "no pixel in common" );
     // what is cropped is what lies there
-    RfImage image, part;
+    AUTO_IMAGE image, part;
     assert_int_equal( rf_create_image( 20, 10, &image, NULL ), RF_OK );
     assert_int_equal( rf_create_image( 8, 4, &part, NULL ), RF_OK );
     for ( int i = 0; i < 600; ++i )
@@ -231,12 +223,10 @@ TEST( test_data_windows_must_agree_or_overlap )
         part.rgb[i] = (float)( i / 24 * 60 + i % 24 ); // the corner from (0, 0) on
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
-    assert_int_equal( rf_write_exr( temp_path( "wa.exr" ), &image, &options, NULL ), RF_OK );
-    assert_int_equal( rf_write_exr( temp_path( "wb.exr" ), &part, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( "wa.exr" ), &image, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( "wb.exr" ), &part, &options, NULL ), RF_OK );
     check_done( compare( "wa.exr", "wb.exr", "--overlap", NULL ) );
     check_number( "max", 0.0 );
-    rf_destroy_image( &image );
-    rf_destroy_image( &part );
 }
 
 TEST( test_only_chosen_frames_are_wanted )
@@ -253,22 +243,21 @@ TEST( test_only_chosen_frames_are_wanted )
     check_failed( compare( "ca.#.exr", "cb.#.exr", NULL ), 1, "frame 2 is in" );
     check_done( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", NULL ) );
     check_number( "bias", 2.5 );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     assert_true( number( json_object_get( json, "worst" ), "frame" ) == 4.0 );
     assert_non_null( strstr( json_string_value( json_object_get( json, "verdict" ) ), "in frame 4" ) );
-    json_decref( json );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1-3", NULL ), 1, "frame 2 is missing" );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );
     // the images themselves stay
-    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.1.exr" ), NULL ), 2, "would overwrite what is read" );
-    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", temp_path( "cb.#.exr" ), NULL ), 2,
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.1.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", cli_path( "cb.#.exr" ), NULL ), 2,
                   "would overwrite what is read" );
-    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", temp_path( "ca.#.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.#.exr" ), NULL ), 2, "would overwrite what is read" );
     // the difference of frame 1 is frame 11
     write_constant( "ca.11.exr", 20, 1.0f );
     write_constant( "cb.11.exr", 20, 1.0f );
-    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1,11", "--diff", temp_path( "ca.1#.exr" ), NULL ), 2,
+    check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "1,11", "--diff", cli_path( "ca.1#.exr" ), NULL ), 2,
                   "is one of the images" );
     check_done( compare( "ca.1.exr", "cb.1.exr", NULL ) );
 }
@@ -309,4 +298,4 @@ TEST( test_missing_in_both )
     assert_string_equal( text, "" );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -2,9 +2,6 @@
 #include "support/test.h"
 #include "cli/compare/compare_command.h"
 
-#include <math.h>
-#include <stdint.h>
-
 static size_t s_clipped[2];
 
 static void check_verdict( const RfErrorMetrics* metrics, const int* frame, const char* wanted )

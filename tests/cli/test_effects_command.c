@@ -3,38 +3,21 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 
 #define SMALL "--size 24x18 --spp 3 --frames 2 --group 1 --no-adaptive --float "
 
-static RfImage read_image( const char* name )
-{
-    char path[512];
-    RfImage image;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr( path, &image, NULL ), RF_OK );
-    return image;
-}
-
 static void expect_same_pixels( const char* one, const char* two, bool same )
 {
-    RfImage a = read_image( one ), b = read_image( two );
+    AUTO_IMAGE a = cli_read_exr( one ), b = cli_read_exr( two );
     size_t bytes = 3 * (size_t)a.width * (size_t)a.height * sizeof( float );
     assert_int_equal( memcmp( a.rgb, b.rgb, bytes ) == 0, same );
-    rf_destroy_image( &a );
-    rf_destroy_image( &b );
 }
 
 static void expect_header( const char* name, const char* key, const char* wanted )
 {
-    char path[512], value[1024];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfResult result = rf_read_exr_string( path, key, value, sizeof value, NULL );
-    assert_int_equal( result == RF_OK, wanted != NULL );
+    const char* value = cli_exr_text( name, key );
+    assert_int_equal( value != NULL, wanted != NULL );
     if ( wanted != NULL )
         assert_non_null( strstr( value, wanted ) );
 }
@@ -58,12 +41,11 @@ TEST( test_info_tells_all_effects )
     cli_expect( result, 0, "--no-effect phong: changes the picture: materials keep" );
     assert_non_null( strstr( result->out, "  out  phong " ) );
     cli_expect( cli_run( "$R info $VASE --effects all --json all.json > text" ), 0, NULL );
-    json_t* json = cli_read_json( "all.json" );
+    json_auto_t* json = cli_read_json( "all.json" );
     assert_true( json_is_true( json_object_get( row_of( json, "panes" ), "forced" ) ) );
     assert_true( json_is_false( json_object_get( row_of( json, "panes" ), "on" ) ) );
     assert_true( json_is_false( json_object_get( row_of( json, "environment" ), "forced" ) ) );
     assert_string_equal( json_string_value( json_object_get( row_of( json, "adaptive" ), "option" ) ), "--adaptive" );
-    json_decref( json );
 }
 
 TEST( test_names_are_checked )
@@ -85,13 +67,12 @@ TEST( test_renders_say_what_they_do )
                 0, NULL );
     cli_expect( cli_run( "grep -q 'effects: diffuse,ggx,.*; left out: phong,light-tree$' said" ), 0, NULL );
     cli_expect( cli_run( "grep -q 'warning: --no-effect light-tree: changes nothing: up to 2 lights' said" ), 0, NULL );
-    json_t* json = cli_read_json( "said.json" );
+    json_auto_t* json = cli_read_json( "said.json" );
     json_t* out = json_object_get( json, "effects_left_out" );
     assert_int_equal( json_array_size( out ), 2 );
     assert_string_equal( json_string_value( json_array_get( out, 0 ) ), "phong" );
     assert_int_equal( json_array_size( json_object_get( json, "effects_forced" ) ), 0 );
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 2 );
-    json_decref( json );
     expect_header( "said.exr", "reframe/calls-for", "diffuse,ggx,area-lights" );
     expect_header( "said.exr", "reframe/no-effect", "phong,light-tree" );
     expect_header( "said.exr", "reframe/effects", NULL );
@@ -110,9 +91,8 @@ TEST( test_resume_knows_effects )
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --overwrite --effects all --json r.json" ), 0, NULL );
     expect_header( "r.exr", "reframe/effects", "all" );
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL "--quiet --resume --effects all" ), 0, NULL );
-    json_t* json = cli_read_json( "r.json" );
+    json_auto_t* json = cli_read_json( "r.json" );
     assert_true( json_array_size( json_object_get( json, "effects_forced" ) ) > 5 );
-    json_decref( json );
 }
 
 TEST( test_no_lens_is_a_pinhole )

@@ -4,11 +4,7 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -82,18 +78,12 @@ static void expect_keys( const json_t* json, const char* keys )
 // Reads a frame of the folder and gives its mean.
 static double mean_of( const char* name, int width, int height )
 {
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    RfImage image;
-    RfError error = { .code = RF_OK };
-    if ( rf_read_exr( path, &image, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    AUTO_IMAGE image = cli_read_exr( name );
     assert_int_equal( image.width, width );
     assert_int_equal( image.height, height );
     double sum = 0.0;
     for ( int i = 0; i < 3 * width * height; ++i )
         sum += image.rgb[i];
-    rf_destroy_image( &image );
     return sum / ( 3.0 * width * height );
 }
 
@@ -278,15 +268,7 @@ TEST( test_header_tells_the_settings )
                                              { "reframe/weights", "exact" },
                                              { "reframe/normalize", "crossfit" },
                                              { "reframe/seed", "18446744073709551615" } };
-    char path[512], value[1024];
-    snprintf( path, sizeof path, "%s/a.exr", cli_folder() );
-    for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
-    {
-        RfError error = { .code = RF_OK };
-        if ( rf_read_exr_string( path, wanted[i][0], value, sizeof value, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-        assert_string_equal( value, wanted[i][1] );
-    }
+    cli_expect_exr_texts( "a.exr", wanted, sizeof wanted / sizeof wanted[0] );
 }
 
 TEST( test_json_has_every_key )
@@ -316,9 +298,8 @@ TEST( test_json_has_every_key )
     json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o j.####.exr --overwrite --frames 1 --json j.json " SMALL ), 0, NULL );
     size_t size;
-    char* text = cli_read( "j.json", &size );
+    AUTO_FREE char* text = cli_read( "j.json", &size );
     json_decref( parse_json( text ) );
-    free( text );
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
 }
 
@@ -330,7 +311,7 @@ TEST( test_info_tells_cameras_and_materials )
     assert_non_null( strstr( result->out, "material 'vase'" ) );
     result = cli_run( "$R info $VASE --json - --fps 48" );
     cli_expect( result, 0, NULL );
-    json_t* json = parse_json( result->out );
+    json_auto_t* json = parse_json( result->out );
     expect_keys(
         json, "triangles stored_triangles instances materials lights cameras effects moving changing sharing frozen unrendered "
               "size fps alpha export_losses export_warnings variants light_groups beyond_depth_share" );
@@ -339,7 +320,6 @@ TEST( test_info_tells_cameras_and_materials )
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );
     assert_int_equal( json_integer_value( json_object_get( json, "lights" ) ), 2 );
     expect_keys( json_array_get( json_object_get( json, "effects" ), 0 ), "name on why left_out forced option" );
-    json_decref( json );
 }
 
 TEST( test_scene_script_repeats_its_bytes )

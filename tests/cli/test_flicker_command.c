@@ -10,7 +10,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <unistd.h>
 
 enum
@@ -28,22 +27,21 @@ static const char* frame_name( const char* pattern, int frame )
 
 static void write_frame( const char* name, int side, float value, const RfExrOptions* more )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
     assert_int_equal( rf_create_image( side, side, &image, &error ), RF_OK );
     for ( int i = 0; i < 3 * side * side; ++i )
         image.rgb[i] = value;
     RfExrOptions options = more != NULL ? *more : rf_default_exr_options();
     options.half = false;
-    if ( rf_write_exr( temp_path( name ), &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
 }
 
 // Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ),
+    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)cli_path( sequence ), "--json", (char*)cli_path( "out.json" ),
                                            "--quiet" };
     const int count = 5;
     va_list more;
@@ -64,7 +62,7 @@ TEST( test_phi_against_a_constant_by_hand )
         write_frame( frame_name( "v.####.exr", 7 + i ), SIDE, 5.0f + errors[i], NULL );
         write_frame( frame_name( "r.####.exr", 7 + i ), SIDE, 5.0f, NULL );
     }
-    check_done( flicker( "v.####.exr", "--reference", temp_path( "r.####.exr" ), "--border", "2", NULL ) );
+    check_done( flicker( "v.####.exr", "--reference", cli_path( "r.####.exr" ), "--border", "2", NULL ) );
     json_t* json = load_json();
     const json_t* pairs = json_object_get( json, "pairs" );
     assert_string_equal(
@@ -95,7 +93,7 @@ TEST( test_phi_against_a_constant_by_hand )
     assert_true( is_near( frozen, 1.0 ) && is_near( frozen * frozen + drift * drift + boiling * boiling, 3.0 ) );
     json_decref( json );
     // against itself nothing is left; part of the frames; no spectrum
-    check_done( flicker( "v.####.exr", "--reference", temp_path( "v.####.exr" ), "--frames", "8-9", "--no-spectrum", NULL ) );
+    check_done( flicker( "v.####.exr", "--reference", cli_path( "v.####.exr" ), "--frames", "8-9", "--no-spectrum", NULL ) );
     json = load_json();
     assert_true( number( json, "f1" ) == 0.0 && number( json, "phi" ) == 0.0 && number( json, "relmse" ) == 0.0 );
     assert_int_equal( json_array_size( json_object_get( json, "pairs" ) ), 1 );
@@ -106,19 +104,17 @@ TEST( test_phi_against_a_constant_by_hand )
 // Without a reference and layers: plain differences, φ unknown.
 TEST( test_without_reference_phi_is_unknown )
 {
-    check_done( flicker( "v.####.exr", "--png", temp_path( "slit.png" ), "--column", "24", "--exposure", "-3", NULL ) );
-    json_t* json = load_json();
+    check_done( flicker( "v.####.exr", "--png", cli_path( "slit.png" ), "--column", "24", "--exposure", "-3", NULL ) );
+    json_auto_t* json = load_json();
     assert_true( is_near( number( json, "f1" ), sqrt( 20.0 / 3.0 ) ) && json_is_null( json_object_get( json, "phi" ) ) );
     assert_true( json_is_null( json_object_get( json, "error_from" ) ) && json_is_null( json_object_get( json, "relmse" ) ) );
     assert_true( json_is_null( json_object_get( json_object_get( json, "spectrum" ), "frozen" ) ) );
-    json_decref( json );
     size_t size;
-    char* png = load_file( temp_path( "slit.png" ), &size );
+    AUTO_FREE char* png = cli_read( "slit.png", &size );
     const unsigned char* b = (const unsigned char*)png;
     assert_memory_equal( png, "\x89PNG", 4 );
     assert_int_equal( b[18] * 256 + b[19], 480 ); // four frames, each 120 wide
     assert_int_equal( b[22] * 256 + b[23], SIDE );
-    free( png );
 }
 
 // Ours: motion, depth and variance by their names, the group from the header.
@@ -161,7 +157,7 @@ TEST( test_own_layers_are_found_by_name )
     for ( int set = 0; set < 2; ++set )
     {
         check_done( flicker( set == 0 ? "m.##.exr" : "n.##.exr", NULL ) );
-        json_t* json = load_json();
+        json_auto_t* json = load_json();
         assert_true( json_is_true( json_object_get( json, "compensated" ) ) &&
                      json_is_true( json_object_get( json, "masked" ) ) );
         assert_true( is_near( number( json, "f1" ), 1.0 ) && is_near( number( json, "phi" ), 1.0 ) &&
@@ -173,14 +169,13 @@ TEST( test_own_layers_are_found_by_name )
             assert_true( number( json_object_get( groups, "border" ), "pairs" ) == 2.0 );
         else
             assert_true( json_is_null( groups ) );
-        json_decref( json );
     }
     check_done( flicker( "m.##.exr", "--no-compensate", NULL ) );
     json_t* json = load_json();
     assert_true( json_is_false( json_object_get( json, "compensated" ) ) && number( json, "coverage" ) == 1.0 );
     json_decref( json );
     // the error along the motion: variance does not count then
-    check_done( flicker( "m.##.exr", "--reference", temp_path( "n.##.exr" ), "--compensate", NULL ) );
+    check_done( flicker( "m.##.exr", "--reference", cli_path( "n.##.exr" ), "--compensate", NULL ) );
     json = load_json();
     assert_true( json_is_true( json_object_get( json, "compensated" ) ) && number( json, "f1" ) == 0.0 );
     assert_true( is_near( number( json, "coverage" ), 20.0 / 24.0 ) );
@@ -199,10 +194,10 @@ TEST( test_own_layers_are_found_by_name )
 
 TEST( test_groups_of_files )
 {
-    RfSeams seams = rf_read_seams( temp_path( "m.02.exr" ), 102, 103 );
+    RfSeams seams = rf_read_seams( cli_path( "m.02.exr" ), 102, 103 );
     assert_true( seams.slides && seams.first == 101 && seams.plan.frames == 9 && seams.plan.eyes == 3 );
     assert_false( rf_has_seams( &( RfSeams ){ 0 } ) );
-    seams = rf_read_seams( temp_path( "n.02.exr" ), 2, 3 );
+    seams = rf_read_seams( cli_path( "n.02.exr" ), 2, 3 );
     assert_false( rf_has_seams( &seams ) );
 }
 
@@ -224,7 +219,7 @@ TEST( test_no_flicker_across_cuts )
         write_frame( frame_name( "cut.##.exr", frame ), SIDE, frame < 3 ? 1.0f : 5.0f, &options );
     }
     check_done( flicker( "cut.##.exr", "--spectrum", NULL ) );
-    json_t* json = load_json();
+    json_auto_t* json = load_json();
     assert_true( number( json, "f1" ) == 0.0 && number( json, "cuts" ) == 1.0 );
     assert_int_equal( json_array_size( json_object_get( json, "pairs" ) ), 16 );
     assert_true( number( json_object_get( json, "spectrum" ), "windows" ) == 1.0 ); // of those that end with frames 16 and 18
@@ -232,10 +227,9 @@ TEST( test_no_flicker_across_cuts )
     const json_t* groups = json_object_get( json, "groups" );
     assert_true( number( json_object_get( groups, "border" ), "pairs" ) == 4.0 );
     assert_true( number( json_object_get( groups, "inside" ), "pairs" ) == 12.0 );
-    json_decref( json );
 }
 
-static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( temp_path( name ), foreign, 1 ); }
+static void write_foreign( const char* name, const Foreign* foreign ) { write_foreign_exr( cli_path( name ), foreign, 1 ); }
 
 TEST( test_files_of_other_programs )
 {
@@ -252,10 +246,9 @@ TEST( test_files_of_other_programs )
         foreign.values[1] = 2.0f; // green
         write_foreign( "f.2.exr", &foreign );
         check_done( flicker( "f.#.exr", NULL ) );
-        json_t* json = load_json();
+        json_auto_t* json = load_json();
         assert_true( is_near( number( json, "f1" ), sqrt( 1.0 / 3.0 ) ) &&
                      is_near( number( json, "coverage" ), 17.0 * 9.0 / 200.0 ) );
-        json_decref( json );
     }
     Foreign other = { .names = { "B", "G", "R", "Z" }, .values = { 1, 1, 1, 2 }, .x = -4, .y = 6, .width = 20, .height = 10 };
     write_foreign( "f.2.exr", &other );
@@ -273,13 +266,12 @@ TEST( test_files_of_other_programs )
     other = ( Foreign ){ .names = { "foo", "normal.Z" }, .width = 20, .height = 10 };
     write_foreign( "f.1.exr", &other );
     check_failed( flicker( "f.#.exr", NULL ), 1, "has no channels R, G, B" );
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     RfFlickerLayers layers;
-    assert_int_equal( rf_read_exr_header( temp_path( "f.1.exr" ), NULL, &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( cli_path( "f.1.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.channel_count == 2 && header.width == 20 && header.display_width == 64 && !header.has_world_to_ndc );
     assert_int_equal( rf_find_flicker_layers( "f", &header, NULL, NULL, &layers, NULL ), RF_OK );
     assert_true( layers.depth == NULL && layers.motion[0] == NULL ); // a normal is no depth
-    rf_destroy_exr_header( &header );
 }
 
 // The matrix that Reframe writes: 90 degrees, looking along −z from z = 3.
@@ -297,10 +289,10 @@ TEST( test_motion_from_camera_matrices )
     memcpy( options.world_to_ndc, matrix, sizeof matrix );
     memcpy( options.world_to_camera, matrix, sizeof matrix );
     write_frame( "camera.exr", SIDE, 1.0f, &options );
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     RfFlickerLayers layers;
-    RfFlickerFrame frame;
-    const char* path = temp_path( "camera.exr" );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame frame;
+    const char* path = cli_path( "camera.exr" );
     assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
     assert_int_equal( rf_find_flicker_layers( path, &header, NULL, NULL, &layers, NULL ), RF_OK );
     assert_int_equal( rf_read_flicker_frame( path, &layers, &header, path, &frame, NULL ), RF_OK );
@@ -315,8 +307,6 @@ TEST( test_motion_from_camera_matrices )
     }
     assert_true( is_near( at[2], 2.0 ) && is_near( at[0] / at[2], 12.0 * 1.25 - 0.5 ) &&
                  is_near( at[1] / at[2], 12.0 * 0.5 - 0.5 ) );
-    rf_destroy_flicker_frame( &frame );
-    rf_destroy_exr_header( &header );
 }
 
 TEST( test_wrong_input_is_refused )
@@ -327,28 +317,27 @@ TEST( test_wrong_input_is_refused )
     check_failed( flicker( "v.####.exr", "--frames", "60", NULL ), 2, "--frames: there is no frame 60" );
     check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "frame 7 is followed by 9" );
     check_failed( flicker( "v.####.exr", "--frames", "6-9", NULL ), 1, "frame 6 is missing" );
-    check_failed( flicker( "v.####.exr", "--reference", temp_path( "m.##.exr" ), NULL ), 1, "needs frame 7" );
-    check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.0007.exr" ), NULL ), 2, "--reference" );
+    check_failed( flicker( "v.####.exr", "--reference", cli_path( "m.##.exr" ), NULL ), 1, "needs frame 7" );
+    check_failed( flicker( "v.####.exr", "--reference", cli_path( "r.0007.exr" ), NULL ), 2, "--reference" );
     check_failed( flicker( "v.####.exr", "--border", "1", NULL ), 2, "--border" );
     check_failed( flicker( "v.####.exr", "--column", "2", NULL ), 2, "--png" );
-    check_failed( flicker( "v.####.exr", "--column", "25", "--png", temp_path( "a.png" ), NULL ), 2, "no column 25" );
+    check_failed( flicker( "v.####.exr", "--column", "25", "--png", cli_path( "a.png" ), NULL ), 2, "no column 25" );
     write_frame( "s.1.exr", SIDE, 1.0f, NULL );
     write_frame( "s.2.exr", SIDE - 1, 1.0f, NULL );
     check_failed( flicker( "s.#.exr", NULL ), 1, "23x23" );
-    assert_int_equal( remove( temp_path( "v.0009.exr" ) ), 0 );
+    assert_int_equal( remove( cli_path( "v.0009.exr" ) ), 0 );
     check_failed( flicker( "v.####.exr", NULL ), 1, "frame 8 is followed by 10" );
     write_frame( "v.0009.exr", SIDE, NAN, NULL );
     check_failed( flicker( "v.####.exr", NULL ), 1, "576 pixels with NaN" );
-    json_t* json = load_json(); // written all the same
+    json_auto_t* json = load_json(); // written all the same
     assert_true( json_is_null( json_object_get( json, "f1" ) ) && number( json, "nan" ) == 576.0 );
     assert_true( number( json_array_get( json_object_get( json, "pairs" ), 0 ), "f1" ) == 0.0 );
     assert_true( json_is_null( json_object_get( json_array_get( json_object_get( json, "pairs" ), 1 ), "f1" ) ) );
-    json_decref( json );
     write_frame( "v.0009.exr", SIDE, 1.0f, NULL );
     write_frame( "r.0010.exr", SIDE, INFINITY, NULL );
-    check_failed( flicker( "v.####.exr", "--reference", temp_path( "r.####.exr" ), NULL ), 1,
+    check_failed( flicker( "v.####.exr", "--reference", cli_path( "r.####.exr" ), NULL ), 1,
                   "r.####.exr: 0 pixels with NaN, 576" );
-    save_file( temp_path( "v.0009.exr" ), "nothing", 7 );
+    cli_write( "v.0009.exr", "nothing", 7 );
     check_failed( flicker( "v.####.exr", NULL ), 1, "v.0009.exr" );
 }
 
@@ -358,7 +347,7 @@ TEST( test_wrong_input_is_refused )
 TEST( test_compensation_beats_plain_on_a_render )
 {
     char command[2048];
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     for ( int k = 0; k < 2; ++k )
     {
         snprintf( command, sizeof command,
@@ -366,7 +355,7 @@ TEST( test_compensation_beats_plain_on_a_render )
                   "/vase-room-lambert.glb' -o '%s' --camera '" REFRAME_SOURCE_DIR
                   "/anim/orbit.json' --frames 10-11 --size 64x36 --spp 28 --group 3 --tile 1 --aov %s --float --quiet "
                   ">/dev/null",
-                  temp_path( k == 0 ? "o.##.exr" : "p.##.exr" ), k == 0 ? "depth,motion" : "motion" );
+                  cli_path( k == 0 ? "o.##.exr" : "p.##.exr" ), k == 0 ? "depth,motion" : "motion" );
         assert_int_equal( system( command ), 0 );
     }
     double f1[3], coverage[3];
@@ -374,21 +363,19 @@ TEST( test_compensation_beats_plain_on_a_render )
     for ( int k = 0; k < 3; ++k )
     {
         check_done( flicker( sequences[k], k < 2 ? "--compensate" : "--no-compensate", NULL ) );
-        json_t* json = load_json();
+        json_auto_t* json = load_json();
         f1[k] = number( json, "f1" );
         coverage[k] = number( json, "coverage" );
         assert_true( json_is_true( json_object_get( json, "masked" ) ) == ( k == 0 ) );
         json_t* border = json_object_get( json_object_get( json, "groups" ), "border" );
         assert_true( number( border, "pairs" ) == 0.0 ); // frames 10 and 11 of 48
-        json_decref( json );
     }
     print_message( "F1 %g along the motion, %g without depth, %g without motion; coverage %g\n", f1[0], f1[1], f1[2],
                    coverage[0] );
     assert_true( f1[0] < 0.5 * f1[1] && f1[0] < 0.5 * f1[2] );
     assert_true( coverage[0] > 0.65 && coverage[0] < coverage[1] && coverage[1] < 1.0 && coverage[2] == 1.0 );
-    assert_int_equal( rf_read_exr_header( temp_path( "o.10.exr" ), NULL, &header, NULL ), RF_OK );
+    assert_int_equal( rf_read_exr_header( cli_path( "o.10.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.has_world_to_ndc );
-    rf_destroy_exr_header( &header );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -8,7 +8,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 
 enum
 {
@@ -19,7 +18,7 @@ enum
 // Runs flicker; further arguments up to NULL.
 static int flicker( const char* sequence, ... )
 {
-    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)temp_path( sequence ), "--json", (char*)temp_path( "out.json" ),
+    char* arguments[COMMAND_ARGUMENTS] = { "flicker", (char*)cli_path( sequence ), "--json", (char*)cli_path( "out.json" ),
                                            "--quiet" };
     const int count = 5;
     va_list more;
@@ -47,7 +46,7 @@ static const char* frame_name( const char* pattern, int frame )
 static void write_stripes( const char* pattern, int frame, bool has_motion )
 {
     static float motion[2][WIDTH * HEIGHT], depth[WIDTH * HEIGHT];
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
     assert_int_equal( rf_create_image( WIDTH, HEIGHT, &image, &error ), RF_OK );
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
@@ -69,15 +68,14 @@ static void write_stripes( const char* pattern, int frame, bool has_motion )
     options.string_count = frame == 1 ? 4 : 0;
     options.channels = channels;
     options.channel_count = has_motion ? 3 : 0;
-    if ( rf_write_exr( temp_path( frame_name( pattern, frame ) ), &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( frame_name( pattern, frame ) ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
 }
 
 static void write_reference( const char* pattern, int frame )
 {
     const Foreign reference = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = WIDTH, .height = HEIGHT };
-    write_foreign_exr( temp_path( frame_name( pattern, frame ) ), &reference, 1 );
+    write_foreign_exr( cli_path( frame_name( pattern, frame ) ), &reference, 1 );
 }
 
 // The error alternates where it is and stands still along the motion.
@@ -88,7 +86,7 @@ TEST( test_plain_and_followed_figures_side_by_side )
         write_stripes( "a.#.exr", frame, true );
         write_reference( "r.#.exr", frame );
     }
-    check_done( flicker( "a.#.exr", "--reference", temp_path( "r.#.exr" ), NULL ) );
+    check_done( flicker( "a.#.exr", "--reference", cli_path( "r.#.exr" ), NULL ) );
     json_t* json = load_json();
     const json_t *followed = json_object_get( json, "followed" ), *pair = json_array_get( json_object_get( json, "pairs" ), 2 );
     check_number( json, "phi", 2.0 );
@@ -115,18 +113,18 @@ TEST( test_plain_and_followed_figures_side_by_side )
     for ( int i = 0; i < 2; ++i )
     {
         check_done(
-            flicker( "a.#.exr", "--reference", temp_path( "r.#.exr" ), i == 0 ? "--compensate" : "--no-compensate", NULL ) );
+            flicker( "a.#.exr", "--reference", cli_path( "r.#.exr" ), i == 0 ? "--compensate" : "--no-compensate", NULL ) );
         json = load_json();
         check_number( json, "phi", i == 0 ? 0.0 : 2.0 );
         assert_null( json_object_get( json, "followed" ) );
         assert_null( json_object_get( json_array_get( json_object_get( json, "pairs" ), 0 ), "followed" ) );
         json_decref( json );
     }
-    check_done( flicker( "r.#.exr", "--reference", temp_path( "a.#.exr" ), NULL ) ); // none to follow
+    check_done( flicker( "r.#.exr", "--reference", cli_path( "a.#.exr" ), NULL ) ); // none to follow
     json = load_json();
     assert_null( json_object_get( json, "followed" ) );
     json_decref( json );
-    check_failed( flicker( "r.#.exr", "--reference", temp_path( "a.#.exr" ), "--depth", "R", NULL ), 1, "has no motion layer" );
+    check_failed( flicker( "r.#.exr", "--reference", cli_path( "a.#.exr" ), "--depth", "R", NULL ), 1, "has no motion layer" );
     check_failed( flicker( "a.#.exr", "--reference-layer", "R", NULL ), 2, "--reference-layer" );
 }
 
@@ -138,22 +136,21 @@ TEST( test_pairs_without_motion_are_left_out )
         write_stripes( "s.#.exr", frame, frame != 1 && frame != 4 );
         write_reference( "r.#.exr", frame );
     }
-    check_done( flicker( "s.#.exr", "--reference", temp_path( "r.#.exr" ), NULL ) );
-    json_t* json = load_json();
+    check_done( flicker( "s.#.exr", "--reference", cli_path( "r.#.exr" ), NULL ) );
+    json_auto_t* json = load_json();
     const json_t* pairs = json_object_get( json, "pairs" );
     check_number( json, "phi", 2.0 );
     check_number( json_object_get( json, "followed" ), "pairs", 1.0 );
     for ( size_t i = 0; i < 4; ++i ) // depth of both is wanted too
         assert_true( json_is_object( json_object_get( json_array_get( pairs, i ), "followed" ) ) == ( i == 1 ) );
-    json_decref( json );
-    check_failed( flicker( "s.#.exr", "--reference", temp_path( "r.#.exr" ), "--compensate", NULL ), 1,
+    check_failed( flicker( "s.#.exr", "--reference", cli_path( "r.#.exr" ), "--compensate", NULL ), 1,
                   "s.1.exr: has no motion layer" );
     check_failed( flicker( "s.#.exr", "--frames", "2-5", NULL ), 1, "s.4.exr: has no channel motion.X" );
 }
 
 static void write_parts( const char* name, const Foreign* parts, int count )
 {
-    write_foreign_exr( temp_path( name ), parts, count );
+    write_foreign_exr( cli_path( name ), parts, count );
 }
 
 // Depth in the first part, motion in the second, colour in the third, and a normal to be left alone.
@@ -194,20 +191,20 @@ TEST( test_layers_found_across_parts )
     json = load_json();
     check_number( json, "f1", 0.1 );
     json_decref( json );
-    check_done( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), "--layer", "R", "--reference-layer", "G,B,R", NULL ) );
+    check_done( flicker( "p.#.exr", "--reference", cli_path( "p.#.exr" ), "--layer", "R", "--reference-layer", "G,B,R", NULL ) );
     json = load_json();
     check_number( json, "relmse", 0.0 );
     check_number( json_object_get( json, "followed" ), "coverage", 15.0 / 20.0 );
     json_decref( json );
     check_failed( flicker( "p.#.exr", "--layer", "none", NULL ), 1, "has no layer none" );
-    check_failed( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), "--reference-layer", "none", NULL ), 1,
+    check_failed( flicker( "p.#.exr", "--reference", cli_path( "p.#.exr" ), "--reference-layer", "none", NULL ), 1,
                   "has no layer none" );
     // a part that lies elsewhere: to be reported, or left out beside the plain figures
     parts[1].x = 2;
     write_parts( "p.2.exr", parts, 4 );
     check_failed( flicker( "p.#.exr", NULL ), 1,
                   "p.2.exr: motion.X has 20x10 pixels from (2, 5) on, depth.Z 20x10 from (3, 5) on" );
-    check_done( flicker( "p.#.exr", "--reference", temp_path( "p.#.exr" ), NULL ) );
+    check_done( flicker( "p.#.exr", "--reference", cli_path( "p.#.exr" ), NULL ) );
     json = load_json();
     check_number( json_object_get( json, "followed" ), "pairs", 0.0 );
     json_decref( json );
@@ -234,10 +231,9 @@ TEST( test_layers_of_the_measured_view )
     for ( int k = 0; k < 2; ++k )
     {
         check_done( flicker( "v.#.exr", k == 1 ? "--layer" : NULL, "right", NULL ) );
-        json_t* json = load_json();
+        json_auto_t* json = load_json();
         check_number( json, "f1", k == 0 ? 1.0 : 3.0 );
         check_number( json, "motion", k == 0 ? 5.0 : 10.0 );
-        json_decref( json );
     }
     Foreign both[2] = {
         { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .width = WIDTH, .height = HEIGHT, .part = "rgba" },
@@ -248,11 +244,10 @@ TEST( test_layers_of_the_measured_view )
     check_failed( flicker( "v.#.exr", NULL ), 1, "has both m.a.motion.X and m.b.motion.X: choose by --motion X,Y" );
     check_done( flicker( "v.#.exr", "--motion", "m.a.motion.X,b.motion.Y", NULL ) );
     // beside the plain figures it is no failure
-    check_done( flicker( "v.#.exr", "--reference", temp_path( "v.#.exr" ), NULL ) );
-    json_t* json = load_json();
+    check_done( flicker( "v.#.exr", "--reference", cli_path( "v.#.exr" ), NULL ) );
+    json_auto_t* json = load_json();
     assert_null( json_object_get( json, "followed" ) );
-    json_decref( json );
-    check_failed( flicker( "v.#.exr", "--reference", temp_path( "v.#.exr" ), "--depth", "R", NULL ), 1, "choose by --motion" );
+    check_failed( flicker( "v.#.exr", "--reference", cli_path( "v.#.exr" ), "--depth", "R", NULL ), 1, "choose by --motion" );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

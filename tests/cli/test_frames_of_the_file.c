@@ -9,10 +9,6 @@
 #include "reframe/image.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FILM "\"render\":{\"size\":[32,24],\"fps\":[30000,1001]}"
 #define SHOT ",\"extras\":{\"reframe\":{" FILM "}}"
@@ -33,15 +29,13 @@ static void write_shot( const char* path, const char* extras )
     static const char at[] = "\"name\":\"Side\",";
     write_room( extras );
     size_t size;
-    char* text = cli_read( "room.gltf", &size );
+    AUTO_FREE char* text = cli_read( "room.gltf", &size );
     char* place = strstr( text, at );
     assert_non_null( place );
     place += strlen( at );
-    char* whole = malloc( size + strlen( path ) + 64 );
+    AUTO_FREE char* whole = malloc( size + strlen( path ) + 64 );
     int length = sprintf( whole, "%.*s\"extras\":{\"reframe\":{\"path\":%s}},%s", (int)( place - text ), text, path, place );
     cli_write( "room.gltf", whole, (size_t)length );
-    free( whole );
-    free( text );
 }
 
 #define MOVING                                                                                                                   \
@@ -55,37 +49,12 @@ static void write_moving( const char* more )
     write_shot( text, SHOT );
 }
 
-static float* read_channels( const char* name, const char* const* channels, int count, size_t* pixels )
-{
-    char path[512];
-    RfExrWindow window;
-    float* values;
-    RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr_channels( path, channels, count, &window, &values, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    *pixels = (size_t)window.width * (size_t)window.height;
-    return values;
-}
-
 static bool is_same_picture( const char* a, const char* b )
 {
-    static const char* const colour[] = { "R", "G", "B" };
-    size_t pixels, other_pixels;
-    float *values = read_channels( a, colour, 3, &pixels ), *other = read_channels( b, colour, 3, &other_pixels );
-    bool same = pixels == other_pixels && memcmp( values, other, 3 * pixels * sizeof *values ) == 0;
-    free( values );
-    free( other );
+    AUTO_IMAGE x = cli_read_exr( a ), y = cli_read_exr( b );
+    bool same = x.width == y.width && x.height == y.height &&
+                memcmp( x.rgb, y.rgb, 3 * (size_t)x.width * (size_t)x.height * sizeof *x.rgb ) == 0;
     return same;
-}
-
-static void expect_text( const char* name, const char* key, const char* wanted )
-{
-    char path[512], value[64];
-    RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr_string( path, key, value, sizeof value, &error ), RF_OK );
-    assert_string_equal( value, wanted );
 }
 
 TEST_WITHIN( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_group )
@@ -100,22 +69,17 @@ TEST_WITHIN( test_frames_are_called_as_in_the_file, cli_enter_group, cli_leave_g
         NULL );
     assert_int_equal( cli_count_files( ".exr", "." ), 3 );
     assert_true( cli_exists( "f.0103.exr" ) && cli_exists( "f.0104.exr" ) && cli_exists( "f.0110.exr" ) );
-    expect_text( "f.0104.exr", "reframe/frame", "104" );
-    json_t* json = cli_read_json( "f.json" );
+    cli_expect_exr_text( "f.0104.exr", "reframe/frame", "104" );
+    json_auto_t* json = cli_read_json( "f.json" );
     json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 2 ), "frame" ) ), 110 );
-    json_decref( json );
     expect_among( cli_run( "$R render room.gltf -o f.####.exr --frames 5" ), 2,
                   "there is no frame 5, the camera's path has frames 101 to 110" );
     expect_among( cli_run( "$R render room.gltf -o f.####.exr --frames -11" ), 2, "there is no frame -11" );
     // the command line goes before the file
     cli_expect( cli_run( "$R render room.gltf -o g.####.exr --frames 110 --size 8x4 --spp 1 --quiet" ), 0, NULL );
-    static const char* const red[] = { "R" };
-    size_t pixels;
-    free( read_channels( "g.0110.exr", red, 1, &pixels ) );
-    assert_int_equal( pixels, 32 );
-    free( read_channels( "f.0110.exr", red, 1, &pixels ) );
-    assert_int_equal( pixels, 32 * 24 );
+    cli_expect_size( "g.0110.exr", 8, 4 );
+    cli_expect_size( "f.0110.exr", 32, 24 );
 }
 
 // What the export lost is said first, with --quiet too; smaller things are for info.
@@ -172,13 +136,11 @@ TEST_WITHIN( test_frames_in_steps, cli_enter_group, cli_leave_group )
 TEST_WITHIN( test_lens_of_every_frame, cli_enter_group, cli_leave_group )
 {
     write_moving( "" );
-    char name[256];
-    snprintf( name, sizeof name, "%s/room.gltf", cli_folder() );
     RfScene* scene;
     RfCameraPath path;
     RfError error;
     RfPathOptions of_file = { 0 };
-    assert_int_equal( rf_open_scene( name, &scene, NULL, &error ), RF_OK );
+    assert_int_equal( rf_open_scene( cli_path( "room.gltf" ), &scene, NULL, &error ), RF_OK );
     assert_int_equal( rf_create_camera_path( scene, &of_file, &path, &error ), RF_OK );
     assert_int_equal( path.count, 10 );
     assert_int_equal( path.run_count, 10 );
@@ -199,13 +161,16 @@ TEST_WITHIN( test_lens_of_every_frame, cli_enter_group, cli_leave_group )
 
 static void expect_motion( const char* name, bool before, bool after )
 {
-    static const char* const channels[] = { "motion.X", "motion.Y", "motion.Z", "motion.W" };
-    size_t pixels;
-    float* values = read_channels( name, channels, 4, &pixels );
     bool moved[2] = { false, false };
-    for ( size_t i = 0; i < 4 * pixels; ++i )
-        moved[i % 4 / 2] |= values[i] != 0.0f;
-    free( values );
+    for ( int c = 0; c < 4; ++c )
+    {
+        RfExrWindow window;
+        AUTO_FREE float* values =
+            cli_read_channel( name, ( ( const char* const[] ){ "motion.X", "motion.Y", "motion.Z", "motion.W" } )[c], &window );
+        assert_non_null( values );
+        for ( int i = 0; i < window.width * window.height; ++i )
+            moved[c / 2] |= values[i] != 0.0f;
+    }
     assert_int_equal( moved[0], before );
     assert_int_equal( moved[1], after );
 }
@@ -226,10 +191,9 @@ TEST_WITHIN( test_cuts_part_a_path, cli_enter_group, cli_leave_group )
         strstr( cli_run( "$R info room.gltf" )->out, "8 frames (101 to 108) at 29.97 frames/s, animated, 2 shots" ) );
     cli_expect( cli_run( RENDER_CUT "-o cut.####.exr" ), 0, NULL );
     assert_false( is_same_picture( "one.0104.exr", "cut.0104.exr" ) );
-    expect_text( "cut.0104.exr", "reframe/shot", "101-104" );
-    expect_text( "cut.0105.exr", "reframe/shot", "105-108" );
-    char text[64];
-    assert_int_not_equal( rf_read_exr_string( "one.0104.exr", "reframe/shot", text, sizeof text, NULL ), RF_OK );
+    cli_expect_exr_text( "cut.0104.exr", "reframe/shot", "101-104" );
+    cli_expect_exr_text( "cut.0105.exr", "reframe/shot", "105-108" );
+    cli_expect_exr_text( "one.0104.exr", "reframe/shot", NULL );
     expect_motion( "cut.0104.exr", true, false );
     expect_motion( "cut.0105.exr", false, true );
     assert_non_null( strstr( cli_run( "$R flicker cut.####.exr" )->out, "1 cut: no pair of frames is compared across one" ) );
@@ -253,10 +217,9 @@ TEST_WITHIN( test_cuts_part_a_path, cli_enter_group, cli_leave_group )
     expect_among( cli_run( RENDER_CUT "-o one.####.exr --resume" ), 1, "one.0101.exr" ); // of another path
     // machines share no group at a cut
     cli_expect( cli_run( "$R tune room.gltf --budget 0 --group 2 --spp 4 --nodes 2 --json tune.json >told" ), 0, NULL );
-    json_t* json = cli_read_json( "tune.json" );
+    json_auto_t* json = cli_read_json( "tune.json" );
     const json_t* ranges = json_object_get( json_object_get( json, "nodes" ), "ranges" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( ranges, 0 ), "frames" ) ), "101-104" );
-    json_decref( json );
 }
 
 // Cameras of the file one after the other; each stands still, so that each shot is one picture.
@@ -271,10 +234,10 @@ TEST_WITHIN( test_cameras_one_after_the_other, cli_enter_group, cli_leave_group 
     cli_expect( cli_run( RENDER_EDIT "1-4 -o e.#.exr --group 3" ), 0, NULL );
     cli_expect( cli_run( RENDER_EDIT "1 -o a.#.exr --camera Eye" ), 0, NULL );
     assert_true( is_same_picture( "e.1.exr", "e.2.exr" ) && is_same_picture( "e.1.exr", "a.1.exr" ) );
-    expect_text( "e.2.exr", "reframe/shot", "1-2" );
-    expect_text( "e.3.exr", "reframe/shot", "3-3" );
-    expect_text( "e.4.exr", "reframe/shot", "4-4" );
-    expect_text( "e.4.exr", "reframe/camera", "edit" );
+    cli_expect_exr_text( "e.2.exr", "reframe/shot", "1-2" );
+    cli_expect_exr_text( "e.3.exr", "reframe/shot", "3-3" );
+    cli_expect_exr_text( "e.4.exr", "reframe/shot", "4-4" );
+    cli_expect_exr_text( "e.4.exr", "reframe/camera", "edit" );
 }
 
 #define STILL                                                                                                                    \
@@ -358,12 +321,11 @@ TEST_WITHIN( test_moving_objects_are_named, cli_enter_group, cli_leave_group )
     assert_int_equal( told->status, 0 );
     assert_non_null( strstr( told->err, "'cup', 'door' move or change: frozen as in the first frame" ) );
     told = cli_run( "$R info room.gltf --freeze --json -" );
-    json_t* json = json_loads( told->out, 0, NULL );
+    json_auto_t* json = json_loads( told->out, 0, NULL );
     json_t* moving = json_object_get( json, "moving" );
     assert_int_equal( json_array_size( moving ), 2 );
     assert_string_equal( json_string_value( json_array_get( moving, 0 ) ), "cup" );
     assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "size" ), 1 ) ), 24 );
-    json_decref( json );
     assert_non_null( strstr( cli_run( "$R info room.gltf --freeze" )->out, "frozen     2 objects\n  cup\n" ) );
     assert_non_null( strstr( cli_run( "$R info room.gltf" )->out,
                              "not rendered: an error, unless --freeze is given\n  object 'cup': it moves" ) );
@@ -408,13 +370,12 @@ TEST_WITHIN( test_negative_frames, cli_enter_group, cli_leave_group )
     static const char* const s_names[] = { "n/f.-0002.exr", "n/f.-0001.exr", "n/f.0000.exr", "n/f.0001.exr", "n/f.0002.exr" };
     for ( int i = 0; i < 5; ++i )
         assert_true( cli_exists( s_names[i] ) );
-    expect_text( "n/f.-0002.exr", "reframe/frame", "-2" );
+    cli_expect_exr_text( "n/f.-0002.exr", "reframe/frame", "-2" );
     cli_expect( cli_run( "rm n/f.-0001.exr n/f.-0002.exr; mkdir n/slurm" ), 0, NULL );
     cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr --check --nodes 2 --json n/slurm/job.json" ), 1, "not there: -2, -1:" );
-    json_t* json = cli_read_json( "n/slurm/job.json" );
+    json_auto_t* json = cli_read_json( "n/slurm/job.json" );
     const json_t* ranges = json_object_get( json_object_get( json, "nodes" ), "ranges" );
     assert_string_equal( json_string_value( json_object_get( json_array_get( ranges, 0 ), "frames" ) ), "@-2" );
-    json_decref( json );
     cli_expect( cli_run( RENDER_SHOT "-o n/f.####.exr --frames @-2 --resume" ), 0, NULL );
     const CliResult* told = cli_run( "$R report n -o n.html --quiet" ); // of the two that the ranges have
     assert_int_equal( told->status, 0 );
@@ -435,12 +396,9 @@ TEST_WITHIN( test_decimals_of_broadcast_rates, cli_enter_group, cli_leave_group 
     static const char* const s_rates[] = { "29.97", "\"29.97\"", "\"30000/1001\"" };
     write_room( ",\"extras\":{\"reframe\":{\"render\":{\"fps\":59.94}}}" );
     cli_expect( cli_run( "$R render room.gltf -o f.exr --frames 1 --size 8x6 --spp 1 --quiet" ), 0, NULL );
-    char file[512];
-    RfExrHeader header;
-    snprintf( file, sizeof file, "%s/f.exr", cli_folder() );
-    assert_int_equal( rf_read_exr_header( file, NULL, &header, NULL ), RF_OK );
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
+    assert_int_equal( rf_read_exr_header( cli_path( "f.exr" ), NULL, &header, NULL ), RF_OK );
     assert_int_equal( header.fps_numerator, 60000 );
-    rf_destroy_exr_header( &header );
     for ( size_t i = 0; i < sizeof s_rates / sizeof s_rates[0]; ++i )
     {
         char text[320];
@@ -462,8 +420,7 @@ TEST_WITHIN( test_another_aspect_ratio_is_said, cli_enter_group, cli_leave_group
     expect_among( run, 0,
                   "is for pictures of an aspect ratio of 0.5, and 32x16 has 2: the vertical field of view is kept, and the sides "
                   "show more (--size 8x16 has the camera's)" );
-    json_t* json = cli_read_json( "f.json" );
+    json_auto_t* json = cli_read_json( "f.json" );
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 1 );
-    json_decref( json );
     cli_expect( cli_run( "$R render tall.gltf -o f.exr --frames 1 --spp 1 --size 8x16 --overwrite --quiet" ), 0, NULL );
 }

@@ -3,10 +3,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define RENDER "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet --overwrite "
 
 TEST( test_what_does_not_work_is_refused_by_name )
@@ -63,13 +59,12 @@ TEST( test_frames_are_resumed_and_told_apart )
     cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --spp 4 --quiet -o r.####.exr --frames 1-2 --resume "
                          "--json r.json" ),
                 0, NULL );
-    json_t* json = cli_read_json( "r.json" );
+    json_auto_t* json = cli_read_json( "r.json" );
     const json_t* frames = json_object_get( json, "frames" );
     assert_true( json_is_true( json_object_get( json_array_get( frames, 0 ), "kept" ) ) );
     assert_true( json_is_false( json_object_get( json_array_get( frames, 1 ), "kept" ) ) );
     assert_string_equal( json_string_value( json_object_get( json, "estimator" ) ), "gradient" );
     assert_string_equal( json_string_value( json_object_get( json, "reconstruction" ) ), "weighted" );
-    json_decref( json );
     static const char again[] =
         "$R render $VASE --size 40x30 --spp 4 --quiet -o r.####.exr --frames 1 --resume --group 0 --tile 6x6 ";
     cli_expect( cli_run( "%s", again ), 1, "estimator gradient" );
@@ -81,11 +76,10 @@ TEST( test_noise_is_estimated_and_stops )
     cli_expect( cli_run( "$R render $VASE --estimator gradient --size 40x30 --noise 0.05 --quiet -o n.####.exr --frames 1 "
                          "--aov albedo,samples --json n.json" ),
                 0, NULL );
-    json_t* json = cli_read_json( "n.json" );
+    json_auto_t* json = cli_read_json( "n.json" );
     const json_t* frame = json_array_get( json_object_get( json, "frames" ), 0 );
     assert_true( json_number_value( json_object_get( frame, "relmse_estimate" ) ) <= 0.05 );
     assert_true( json_number_value( json_object_get( frame, "native_spp" ) ) >= 2.0 );
-    json_decref( json );
 }
 
 // Another program can solve what is written: at constant weights the picture is the same.
@@ -94,9 +88,8 @@ TEST( test_written_gradients_are_reconstructed )
     cli_expect( cli_run( RENDER "-o g.####.exr --frames 1 --float --reconstruction l2 --aov gradients" ), 0, NULL );
     cli_expect( cli_run( "$R reconstruct g.0001.exr -o solved.exr --method l2 --alpha 0.5 --quiet" ), 0, NULL );
     cli_expect( cli_run( "$R compare g.0001.exr solved.exr --json c.json > /dev/null" ), 0, NULL );
-    json_t* json = cli_read_json( "c.json" );
+    json_auto_t* json = cli_read_json( "c.json" );
     assert_true( json_number_value( json_object_get( json, "relmse" ) ) < 1e-6 );
-    json_decref( json );
     cli_expect( cli_run( "$R render $VASE -o a.####.exr --size 40x30 --frames 1 --aov primal,dx" ), 2,
                 "the estimator 'reuse' has no gradients: choose another by --estimator, or leave that option out" );
     cli_expect( cli_run( RENDER "-o a.####.exr --frames 1 --aov dx,gradients" ), 2, "AOV dx is given twice" );
@@ -109,9 +102,8 @@ TEST( test_adaptive_auto_is_off )
     const CliResult* done = cli_run( RENDER "-o a.####.exr --frames 1 --adaptive auto --json a.json" );
     assert_int_equal( done->status, 0 );
     assert_string_equal( done->err, "" );
-    json_t* json = cli_read_json( "a.json" );
+    json_auto_t* json = cli_read_json( "a.json" );
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), 0 );
-    json_decref( json );
 }
 
 // What render can do, cost and tune can weigh: the tiles beside path tracing, which is that of the other estimator.
@@ -150,12 +142,11 @@ TEST( test_variance_and_alpha_are_written )
 {
     cli_expect( cli_run( RENDER "-o va.####.exr --frames 1 --alpha --aov variance --json va.json" ), 0, NULL );
     cli_expect( cli_run( "$R png va.0001.exr va.png" ), 0, NULL );
-    json_t* json = cli_read_json( "va.json" );
+    json_auto_t* json = cli_read_json( "va.json" );
     const json_t* paths = json_object_get( json, "shared_paths" );
     json_int_t found = json_integer_value( json_object_get( paths, "found" ) );
     json_int_t kept = json_integer_value( json_object_get( paths, "kept" ) );
     assert_true( kept > 0 && kept < found );
-    json_decref( json );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

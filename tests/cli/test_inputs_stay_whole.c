@@ -3,11 +3,6 @@
 #include "support/test.h"
 #include "image/sequence.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // The line fails as a mistake on the command line that says `part`, and the file stays.
 static void check_kept( const char* name, const char* part, const char* line )
 {

@@ -3,12 +3,7 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
 #include <signal.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <time.h>
 
@@ -35,10 +30,8 @@ static const json_t* frame_of( const json_t* json, size_t i ) { return json_arra
 // A file's number in the file system, another one where it was replaced; 0: not there.
 static uintmax_t inode_of( const char* name )
 {
-    char path[512];
     struct stat status;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return stat( path, &status ) == 0 ? (uintmax_t)status.st_ino : 0;
+    return stat( cli_path( name ), &status ) == 0 ? (uintmax_t)status.st_ino : 0;
 }
 
 static void wait_for_another( const char* name, uintmax_t than )
@@ -88,14 +81,13 @@ static void check_kept( const char* name, const char* older_name, int kept )
 
 static void check_interrupted_json( const char* name, int kept )
 {
-    json_t* json = cli_read_json( name );
+    json_auto_t* json = cli_read_json( name );
     assert_true( is_true( json, "interrupted" ) );
     assert_int_equal( frame_count( json ), kept );
     assert_int_equal( (int)value_of( json, "kept_frames" ), 0 );
     assert_true( value_of( json_object_get( json, "rays" ), "primary" ) > 0.0 );
     for ( size_t i = 0; i < (size_t)kept; ++i )
         assert_false( is_true( frame_of( json, i ), "kept" ) );
-    json_decref( json );
 }
 
 // How the threads of what was started wait: what its environment was when it began.
@@ -199,9 +191,8 @@ TEST( test_killed_render_goes_on )
                          compare ),
                 0, NULL );
     assert_int_equal( cli_count_files( ".films", "q" ), 0 );
-    json_t* json = cli_read_json( "q.json" );
+    json_auto_t* json = cli_read_json( "q.json" );
     assert_int_equal( (int)value_of( json, "kept_frames" ), 0 );
-    json_decref( json );
     cli_expect( cli_run( "cp films q/f.0001.films; " KILLED "--resume --quiet && ! test -e q/f.0001.films" ), 0,
                 NULL ); // none are left
 }
@@ -284,7 +275,7 @@ TEST( test_resume_and_overwrite )
     assert_non_null( strstr( result->out, "4 kept from before" ) );
     assert_true( inode_of( "m/f.0002.exr" ) == second );
     cli_expect( cli_run( "for f in whole_m/*; do cmp $f m/${f#*/} || exit 1; done" ), 0, NULL );
-    json_t* json = cli_read_json( "m.json" );
+    json_auto_t* json = cli_read_json( "m.json" );
     static const bool kept[FRAMES] = { true, true, false, false, true, false, false, true };
     assert_int_equal( frame_count( json ), FRAMES );
     for ( size_t i = 0; i < FRAMES; ++i )
@@ -292,14 +283,13 @@ TEST( test_resume_and_overwrite )
         assert_int_equal( (int)value_of( frame_of( json, i ), "frame" ), i + 1 );
         assert_int_equal( is_true( frame_of( json, i ), "kept" ), kept[i] );
     }
-    json_decref( json );
     cli_expect( cli_run( "rm m/f.0005.exr && mkdir m/f.0005.exr && $R render $VASE -o m/f.####.exr --resume --overwrite " TINY ),
                 1, "m/f.0005.exr: is a folder" );
 }
 
 static void expect_seconds( const char* name, bool known )
 {
-    json_t* json = cli_read_json( name );
+    json_auto_t* json = cli_read_json( name );
     assert_int_equal( frame_count( json ), FRAMES );
     for ( size_t i = 0; i < FRAMES; ++i )
     {
@@ -308,7 +298,6 @@ static void expect_seconds( const char* name, bool known )
         assert_true( value_of( frame_of( json, i ), "native_spp" ) == 2.0 );
     }
     assert_true( value_of( json_object_get( json, "rays" ), "primary" ) == 0.0 );
-    json_decref( json );
 }
 
 // The same command again, with all frames there, loses nothing.
@@ -398,7 +387,7 @@ TEST( test_seconds_of_a_group_are_shared )
 {
     cli_expect( cli_run( "$R render $VASE -o g/f.####.exr --frames 1-8 --size 64x36 --spp 48 --group 48 --quiet --json g.json" ),
                 0, NULL );
-    json_t* json = cli_read_json( "g.json" );
+    json_auto_t* json = cli_read_json( "g.json" );
     double sum = 0.0, most = 0.0;
     for ( size_t i = 0; i < FRAMES; ++i )
     {
@@ -409,7 +398,6 @@ TEST( test_seconds_of_a_group_are_shared )
     assert_true( sum > 0.0 && sum <= value_of( json, "seconds" ) );
     if ( most > 0.4 * sum ) // the first had nearly all of it
         fail_msg( "a frame has %g of %g s", most, sum );
-    json_decref( json );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -3,33 +3,20 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 
 #define SMALL "--size 24x18 --spp 8 --group 0 --quiet"
-
-static void expect_header( const char* name, const char* key, const char* wanted )
-{
-    char path[512], text[256] = "";
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    rf_read_exr_string( path, key, text, sizeof text, NULL );
-    assert_string_equal( text, wanted );
-}
 
 // A render whose sky is beyond half floats in red, and of which pixels it says so.
 static json_int_t clipped_pixels( const char* options, const char* wanted )
 {
     const CliResult* result = cli_run( "$R render bright.json -o h.####.exr --overwrite " SMALL " --json h.json %s", options );
     cli_expect( result, 0, wanted );
-    json_t* json = cli_read_json( "h.json" );
+    json_auto_t* json = cli_read_json( "h.json" );
     json_int_t pixels = json_integer_value( json_object_get( json, "clipped_pixels" ) );
     const json_t* frame = json_array_get( json_object_get( json, "frames" ), 0 );
     assert_int_equal( json_integer_value( json_object_get( frame, "clipped_pixels" ) ), pixels );
     assert_int_equal( json_array_size( json_object_get( json, "warnings" ) ), wanted != NULL );
-    json_decref( json );
     return pixels;
 }
 
@@ -42,12 +29,12 @@ TEST( test_clipped_pixels_are_named )
     char text[32];
     snprintf( text, sizeof text, "%lld", (long long)pixels );
     assert_true( pixels > 200 && pixels <= 24 * 18 );
-    expect_header( "h.0001.exr", "reframe/clipped-pixels", text );
-    expect_header( "h.0001.exr", "reframe/clipped-layers", "colour,light_sky" );
+    cli_expect_exr_text( "h.0001.exr", "reframe/clipped-pixels", text );
+    cli_expect_exr_text( "h.0001.exr", "reframe/clipped-layers", "colour,light_sky" );
     assert_int_equal( clipped_pixels( "--light-groups all --resume", half ), pixels ); // kept
     // no verdict on the bias of what is not there
     assert_int_equal( clipped_pixels( "--light-groups all --float", NULL ), 0 );
-    expect_header( "h.0001.exr", "reframe/clipped-pixels", "" );
+    cli_expect_exr_text( "h.0001.exr", "reframe/clipped-pixels", NULL );
     cli_expect( cli_run( "mv h.0001.exr f.exr" ), 0, NULL );
     clipped_pixels( "--light-groups all", half );
     const char* const layers[] = { "", "--layer light_sky" };
@@ -58,9 +45,8 @@ TEST( test_clipped_pixels_are_named )
     }
     cli_expect( cli_run( "rm h.json && $R report h.####.exr -o page.html" ), 0, NULL );
     size_t size;
-    char* page = cli_read( "page.html", &size );
+    AUTO_FREE char* page = cli_read( "page.html", &size );
     assert_non_null( strstr( page, "clipped by the range of the file" ) );
-    free( page );
     // DWA ends sooner, and only the header tells
     if ( rf_has_dwa() )
     {
@@ -76,15 +62,14 @@ TEST( test_clipped_pixels_are_named )
 // An EXR of the same light in a colour space.
 static void write_sky( const char* name, RfColourSpace space, const float rgb[3] )
 {
-    char path[512];
     float pixels[3 * 8];
     for ( int i = 0; i < 24; ++i )
         pixels[i] = rgb[i % 3] * (float)( 1 + i / 12 );
     RfExrOptions options = rf_default_exr_options();
     options.half = false;
     options.colour_space = space;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_write_exr( path, &( RfImage ){ .width = 4, .height = 2, .rgb = pixels }, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( name ), &( RfImage ){ .width = 4, .height = 2, .rgb = pixels }, &options, NULL ),
+                      RF_OK );
     char json[256];
     snprintf( json, sizeof json, "{\"scene\":\"room.gltf\",\"environment\":{\"map\":\"%s\"}}", name );
     write_text( "sky.json", json );
@@ -95,9 +80,8 @@ static double difference( const char* a, const char* b, const char* layer )
 {
     const CliResult* result = cli_run( "$R compare %s %s --json - %s %s", a, b, layer[0] != '\0' ? "--layer" : "", layer );
     cli_expect( result, 0, NULL );
-    json_t* json = json_loads( result->out, 0, NULL );
+    json_auto_t* json = json_loads( result->out, 0, NULL );
     double most = number( json, "max" ) / number( json, "reference_mean" );
-    json_decref( json );
     return most;
 }
 
@@ -124,8 +108,8 @@ TEST( test_frames_in_acescg )
     write_text( "sky.json", "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[0.9,0.4,0.1],\"light_group\":\"sky\"}}" );
     cli_expect( cli_run( "$R render sky.json -o r.exr %s", options ), 0, NULL );
     cli_expect( cli_run( "$R render sky.json -o a.exr --colorspace acescg --json a.json %s", options ), 0, NULL );
-    expect_header( "a.exr", "reframe/colorspace", "acescg" );
-    expect_header( "r.exr", "reframe/colorspace", "" );
+    cli_expect_exr_text( "a.exr", "reframe/colorspace", "acescg" );
+    cli_expect_exr_text( "r.exr", "reframe/colorspace", NULL );
     for ( size_t i = 0; i < sizeof layers / sizeof layers[0]; ++i )
         assert_true( difference( "a.exr", "r.exr", layers[i] ) < 4e-3 ); // both are halves
     json_t* json = cli_read_json( "a.json" );
@@ -137,7 +121,7 @@ TEST( test_frames_in_acescg )
     write_text( "asks.json",
                 "{\"scene\":\"room.gltf\",\"environment\":{\"radiance\":[1,1,1]},\"render\":{\"colorspace\":\"acescg\"}}" );
     cli_expect( cli_run( "$R render asks.json -o b.exr " SMALL ), 0, NULL );
-    expect_header( "b.exr", "reframe/colorspace", "acescg" );
+    cli_expect_exr_text( "b.exr", "reframe/colorspace", "acescg" );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

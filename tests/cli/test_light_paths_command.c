@@ -2,9 +2,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define LAMP "'" REFRAME_SCENE_FOLDER "/glass-lamp.glb' "
 #define RENDER "$R render " LAMP "--size 24x16 --spp 2 --group 0 --tile 1 --frames 1 --quiet "
 
@@ -12,10 +9,9 @@ TEST( test_json_names_them )
 {
     const CliResult* done = cli_run( RENDER "-o on.####.exr --light-paths on --json on.json" );
     assert_int_equal( done->status, 0 );
-    json_t* json = cli_read_json( "on.json" );
+    json_auto_t* json = cli_read_json( "on.json" );
     assert_string_equal( json_string_value( json_object_get( json, "light_paths" ) ), "on" );
     assert_string_equal( json_string_value( json_object_get( json, "kernel_normalization" ) ), "exact" );
-    json_decref( json );
     cli_expect( cli_run( RENDER "-o off.####.exr --light-paths wherever" ), 2, "--light-paths: expected auto, on or off" );
 }
 

@@ -3,9 +3,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
-
 // A floor of one triangle under a camera.
 #define GLTF( more, node )                                                                                                       \
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]" more "}],"                                     \

@@ -3,10 +3,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
 static const char* const s_scenes[] = {
     "vase-room.glb", "bounced-room.glb",        "bounced-room-spots.glb", "still-life.glb",    "glass-lamp.glb",
     "sun-pane.glb",  "still-life-no-glass.glb", "turntable.json",         "textured-room.glb", "office-floor.glb",

@@ -3,10 +3,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
 // A lit plate, which moves by `to` within [from, end) of 4 s, before a camera.
 static void write_scene( const char* name, float from, float end, float to )
 {
@@ -21,7 +17,7 @@ static void write_scene( const char* name, float from, float end, float to )
     add_gltf_floats( &b, "SCALAR", 1, 4, times );
     add_gltf_floats( &b, "VEC3", 3, 4, places );
     size_t size;
-    uint8_t* bytes = build_glb(
+    AUTO_FREE uint8_t* bytes = build_glb(
         &b,
         "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"name\":\"plate\"},{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\","
         "\"perspective\":{\"yfov\":0.7,\"znear\":0.1}}],\"materials\":[{},{\"emissiveFactor\":[0.5,0.5,0.5]}],\"meshes\":[{"
@@ -30,7 +26,6 @@ static void write_scene( const char* name, float from, float end, float to )
         "\"interpolation\":\"STEP\"}],\"channels\":[{\"sampler\":0,\"target\":{\"node\":1,\"path\":\"translation\"}}]}]",
         &size );
     cli_write( name, bytes, size );
-    free( bytes );
 }
 
 #define OPTIONS "--size 24x16 --spp 5 --float --quiet"
@@ -46,9 +41,8 @@ TEST( test_frames_are_those_of_the_sequence )
     cli_expect( cli_run( "cp all.0003.exr kept.exr; rm all.0003.exr all.0005.exr" ), 0, NULL );
     cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 --resume --json r.json " MOVING ), 0, NULL );
     cli_expect( cli_run( "cmp kept.exr all.0003.exr" ), 0, NULL );
-    json_t* json = cli_read_json( "r.json" );
+    json_auto_t* json = cli_read_json( "r.json" );
     assert_int_equal( json_integer_value( json_object_get( json, "kept_frames" ) ), 5 );
-    json_decref( json );
     write_scene( "a.glb", 1.0f, 2.5f, 0.8f );
     cli_expect( cli_run( "$R render a.glb -o all.####.exr --frames 1-7 --resume " MOVING ), 1, "another scene" );
     cli_expect( cli_run( "$R render a.glb -o blur.####.exr --frames 3 --shutter 1 --blur-steps 2 " MOVING ), 0, NULL );
@@ -93,9 +87,8 @@ static void write_many_lamps( const char* name, int count )
                         i > 0 ? "," : "", i );
     sprintf( end, "]}]" );
     size_t size;
-    uint8_t* bytes = build_glb( &b, text, &size );
+    AUTO_FREE uint8_t* bytes = build_glb( &b, text, &size );
     cli_write( name, bytes, size );
-    free( bytes );
     free( text );
 }
 
@@ -123,7 +116,7 @@ static void write_lamps( const char* name )
 #define LAMP( name ) "{\"name\":\"" name "\",\"type\":\"point\",\"intensity\":9}"
 #define AT( x, light )                                                                                                           \
     "{\"name\":\"node " light "\",\"translation\":[" x ",0,-4],\"extensions\":{\"KHR_lights_punctual\":{\"light\":" light "}}}"
-    uint8_t* bytes = build_glb(
+    AUTO_FREE uint8_t* bytes = build_glb(
         &b,
         "\"extensionsUsed\":[\"KHR_lights_punctual\",\"KHR_animation_pointer\"],\"extensions\":{\"KHR_lights_punctual\":{"
         "\"lights\":[" LAMP( "held" ) "," LAMP( "dimmed" ) "," LAMP( "moved" ) "]}},\"nodes\":[{\"mesh\":0},{\"camera\":0}," AT(
@@ -139,7 +132,6 @@ static void write_lamps( const char* name )
                                                               "\"/extensions/KHR_lights_punctual/lights/1/intensity\"}}}}]}]",
         &size );
     cli_write( name, bytes, size );
-    free( bytes );
 }
 
 // Lamps that move are looked up in each frame of a group of up to 9: of 13, at the ends of the path alone.
@@ -221,9 +213,8 @@ static void write_panels( const char* name )
         end += sprintf( end, ",{\"mesh\":0,\"translation\":[%d,0,0]}", 2 * i );
     sprintf( end, "],\"scenes\":[{\"nodes\":[0,1]}]" );
     size_t size;
-    uint8_t* bytes = build_glb( &b, text, &size );
+    AUTO_FREE uint8_t* bytes = build_glb( &b, text, &size );
     cli_write( name, bytes, size );
-    free( bytes );
 }
 
 // The area of what moves counts; what is known is said at once, where choosing a group for so many would take long.

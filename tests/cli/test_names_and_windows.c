@@ -3,32 +3,10 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "image/exr.h"
 #include "output/pass_names.h"
 
 #include <openexr.h>
-
-static const char* path_of( const char* name )
-{
-    static char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return path;
-}
-
-// The values of a channel, to be freed.
-static float* read_channel( const char* name, const char* channel, RfExrWindow* window )
-{
-    float* values;
-    RfError error = { 0 };
-    if ( rf_read_exr_channels( path_of( name ), &channel, 1, window, &values, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return values;
-}
 
 // The same channels in three files, by their names there, with the opposite sign where that is Blender's.
 static void compare_pass( const char* pass, const char* letters )
@@ -39,7 +17,7 @@ static void compare_pass( const char* pass, const char* letters )
         RfPassChannel own;
         RfExrWindow window;
         rf_name_pass_channel( RF_NAMES_REFRAME, pass, letters, i, &own );
-        float* wanted = read_channel( files[0], own.name, &window );
+        AUTO_FREE float* wanted = cli_read_channel( files[0], own.name, &window );
         for ( int n = RF_NAMES_BLENDER; n <= RF_NAMES_NUKE; ++n )
         {
             for ( int k = 0; letters[k] != '\0'; ++k )
@@ -48,13 +26,11 @@ static void compare_pass( const char* pass, const char* letters )
                 rf_name_pass_channel( (RfPassNames)n, pass, letters, k, &channel );
                 if ( channel.component != i )
                     continue;
-                float* values = read_channel( files[n], channel.name, &window );
+                AUTO_FREE float* values = cli_read_channel( files[n], channel.name, &window );
                 for ( int p = 0; p < window.width * window.height; ++p )
                     assert_true( values[p] == ( channel.negated ? -wanted[p] : wanted[p] ) );
-                free( values );
             }
         }
-        free( wanted );
     }
 }
 
@@ -134,13 +110,12 @@ TEST( test_motion_is_blenders )
     size_t size, used = 0;
     add_gltf_floats( &b, "VEC3", 3, 4, wall );
     add_gltf_u16( &b, 6, faces );
-    uint8_t* bytes =
+    AUTO_FREE uint8_t* bytes =
         build_glb( &b,
                    "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"emissiveFactor\":[1,1,1]}],\"meshes\":[{\"primitives\":"
                    "[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]",
                    &size );
     cli_write( "wall.glb", bytes, size );
-    free( bytes );
     for ( int f = 1; f <= 10; ++f )
         used += (size_t)snprintf( keys + used, sizeof keys - used,
                                   "%s{\"frame\":%d,\"position\":[%.4f,%.4f,7],\"target\":[%.4f,%.4f,0]}", f > 1 ? "," : "", f,
@@ -159,13 +134,12 @@ TEST( test_motion_is_blenders )
         for ( int c = 0; c < 4; ++c )
         {
             RfExrWindow window;
-            float* values = read_channel( "m.exr", cases[i].channel[c], &window );
+            AUTO_FREE float* values = cli_read_channel( "m.exr", cases[i].channel[c], &window );
             for ( int p = 0; p < 64 * 36; ++p )
             {
                 if ( fabsf( values[p] - cases[i].wanted[c] ) > 1e-4f )
                     fail_msg( "%s is %g", cases[i].channel[c], (double)values[p] );
             }
-            free( values );
         }
     }
 }
@@ -184,7 +158,7 @@ static Standard read_standard( const char* name )
 {
     exr_context_t file;
     Standard s = { 0 };
-    assert_int_equal( exr_start_read( &file, path_of( name ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &file, cli_path( name ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_data_window( file, 0, &s.data ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_display_window( file, 0, &s.display ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_attr_get_m44f( file, 0, "worldToCamera", &s.camera ), EXR_ERR_SUCCESS );
@@ -205,7 +179,7 @@ static bool is_window( const exr_attr_box2i_t* w, int x, int y, int width, int h
 static double mean_difference( const char* a, const char* b, const char* channel, int dx, int dy )
 {
     RfExrWindow w, wide;
-    float *values = read_channel( a, channel, &w ), *others = read_channel( b, channel, &wide );
+    float *values = cli_read_channel( a, channel, &w ), *others = cli_read_channel( b, channel, &wide );
     double sum = 0.0;
     for ( int i = 0; i < w.width * w.height; ++i )
         sum += sqrt( fabs( (double)values[i] - (double)others[( i / w.width + dy ) * wide.width + i % w.width + dx] ) );
@@ -217,7 +191,7 @@ static double mean_difference( const char* a, const char* b, const char* channel
 static double depth_error( const char* a, const char* b, int dx, int dy )
 {
     RfExrWindow w, wide;
-    float *values = read_channel( a, "depth.Z", &w ), *others = read_channel( b, "depth.Z", &wide );
+    float *values = cli_read_channel( a, "depth.Z", &w ), *others = cli_read_channel( b, "depth.Z", &wide );
     double sum = 0.0;
     for ( int i = 0; i < w.width * w.height; ++i )
         sum += fabs( (double)values[i] / (double)others[( i / w.width + dy ) * wide.width + i % w.width + dx] - 1.0 );
@@ -295,7 +269,7 @@ TEST( test_reconstruct )
     }
     exr_context_t file;
     exr_attr_box2i_t data, display;
-    assert_int_equal( exr_start_read( &file, path_of( "rblender.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &file, cli_path( "rblender.exr" ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_data_window( file, 0, &data ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_display_window( file, 0, &display ), EXR_ERR_SUCCESS );
     exr_finish( &file );
@@ -344,13 +318,12 @@ TEST( test_matrices_say_where_things_are )
     size_t size;
     add_gltf_floats( &b, "VEC3", 3, 4, spot );
     add_gltf_u16( &b, 6, faces );
-    uint8_t* bytes =
+    AUTO_FREE uint8_t* bytes =
         build_glb( &b,
                    "\"nodes\":[{\"mesh\":0}],\"materials\":[{\"emissiveFactor\":[1,1,1]}],\"meshes\":[{\"primitives\":"
                    "[{\"attributes\":{\"POSITION\":0},\"indices\":1,\"material\":0}]}]",
                    &size );
     cli_write( "spot.glb", bytes, size );
-    free( bytes );
     for ( size_t i = 0; i < 2 * sizeof cameras / sizeof cameras[0]; ++i )
     {
         char text[512];
@@ -365,7 +338,7 @@ TEST( test_matrices_say_where_things_are )
                      i % 2 != 0 ? "--overscan 6" : "" ),
             0, NULL );
         RfExrWindow w;
-        float* red = read_channel( "s.exr", "R", &w );
+        AUTO_FREE float* red = cli_read_channel( "s.exr", "R", &w );
         double sum = 0.0, x = 0.0, y = 0.0, at[2];
         for ( int k = 0; k < w.width * w.height; ++k )
         {
@@ -373,7 +346,6 @@ TEST( test_matrices_say_where_things_are )
             x += (double)red[k] * ( w.x + k % w.width + 0.5 );
             y += (double)red[k] * ( w.y + k / w.width + 0.5 );
         }
-        free( red );
         Standard s = read_standard( "s.exr" );
         static const double middle[3] = { 0.5, 0.25, -3.0 };
         assert_true( s.has_ndc && sum > 4.0 );

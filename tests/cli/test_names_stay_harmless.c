@@ -5,8 +5,6 @@
 
 #include "base/plain_text.h"
 
-#include <string.h>
-
 // A camera, a material and a lamp whose names clear the screen, and a triangle.
 static const char s_scene[] =
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"extensionsUsed\":[\"KHR_lights_punctual\"],"

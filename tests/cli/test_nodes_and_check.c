@@ -3,10 +3,6 @@
 #include "support/frame_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SHOT "$VASE --size 16x9 --spp 6 --group 1 --tile 1 --quiet "
 
 static const char* text_of( const json_t* json, const char* list, size_t i, const char* key )
@@ -27,13 +23,12 @@ TEST( test_check_tells_what_is_there )
     cli_expect( cli_run( "grep -q '^3 frames in c/f.####.exr: all there, whole and of this render' told" ), 0, NULL );
     const char* line = "c/f.####.exr: 5 of 10 frames are finished; not there: 4-6, 8, 10: --resume goes on";
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-10 --check --nodes 2 --json check.json >told" ), 1, line );
-    json_t* json = cli_read_json( "check.json" );
+    json_auto_t* json = cli_read_json( "check.json" );
     assert_true( json_is_false( json_object_get( json, "complete" ) ) );
     assert_int_equal( number_of( json, "finished" ), 5 );
     assert_int_equal( count_of( json, "missing" ), 5 );
     const json_t* nodes = json_object_get( json, "nodes" );
     assert_int_equal( count_of( nodes, "ranges" ), 2 );
-    json_decref( json );
     // a frame that lost its end, and one of other settings
     cli_expect( cli_run( "truncate -s 1500 c/f.0002.exr" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 3 --seed 7 --overwrite >told" ), 0, NULL );
@@ -57,10 +52,9 @@ TEST( test_damaged_frames_are_found_and_rendered_again )
         cli_expect( cli_run( "%s --check >told", shot ), 0, NULL );
         cli_expect( cli_run( "truncate -s -20 d/f.0002.exr" ), 0, NULL );
         size_t size;
-        char* bytes = cli_read( "d/f.0003.exr", &size );
+        AUTO_FREE char* bytes = cli_read( "d/f.0003.exr", &size );
         bytes[size - 5] ^= 1;
         cli_write( "d/f.0003.exr", bytes, size );
-        free( bytes );
         cli_expect( cli_run( "%s --check --json check.json", shot ), 1,
                     "2 of 4 frames are finished; damaged: 2, 3: --resume goes on" );
         json_t* json = cli_read_json( "check.json" );
@@ -83,18 +77,16 @@ TEST( test_a_report_names_damaged_frames )
     cli_expect( cli_run( "$R render " SHOT "--frames 1-4 --aov depth --compression none --parts each -o g/f.####.exr >told" ), 0,
                 NULL );
     size_t size;
-    char* bytes = cli_read( "g/f.0003.exr", &size );
+    AUTO_FREE char* bytes = cli_read( "g/f.0003.exr", &size );
     bytes[size - 5] ^= 1;
     cli_write( "g/f.0003.exr", bytes, size );
-    free( bytes );
     cli_expect( cli_run( "truncate -s -20 g/f.0002.exr; $R report g -o g.html --quiet --json g.json" ), 0,
                 "warning: g: damaged: 2, 3: g/f.0002.exr: its pixels cannot be read" );
-    json_t* json = cli_read_json( "g.json" );
+    json_auto_t* json = cli_read_json( "g.json" );
     const json_t* sequence = json_array_get( json_object_get( json, "sequences" ), 0 );
     assert_int_equal( count_of( sequence, "damaged_frames" ), 2 );
     assert_int_equal( number_of( sequence, "frames" ), 3 );
     assert_non_null( strstr( text_of( json, "warnings", 0, "text" ), "damaged: 2, 3: " ) );
-    json_decref( json );
 }
 
 TEST( test_a_report_tells_unfinished_frames )

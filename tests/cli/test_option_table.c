@@ -3,10 +3,6 @@
 #include "cli/messages.h"
 #include "cli/options/options.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 typedef struct Values
 {
     int spp, group, weights, adaptive;

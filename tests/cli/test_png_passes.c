@@ -7,11 +7,6 @@
 #include "support/image_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum
 {
     W = 12,
@@ -28,7 +23,7 @@ static void write_frame( const char* name, float far )
     static float key[3 * N], fill[3 * N], normal[3 * N], depth[N], crypto[4 * N];
     static const char letters[] = "RGB", axes[] = "XYZ", all[] = "RGBA";
     const uint32_t bits[2] = { 0x3f2a91c4u, 0x40b37e05u };
-    RfImage image;
+    AUTO_IMAGE image;
     RfExrChannel channels[32];
     char names[32][24];
     int count = 0;
@@ -73,8 +68,7 @@ static void write_frame( const char* name, float far )
     options.channel_count = count;
     options.strings = strings;
     options.string_count = 4;
-    assert_int_equal( rf_write_exr( page_path( name ), &image, &options, NULL ), RF_OK );
-    rf_destroy_image( &image );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, NULL ), RF_OK );
 }
 
 // A channel of a pixel of a PNG that was written.
@@ -82,11 +76,10 @@ static int pixel( const char* name, int x, int y, int c )
 {
     RfPixels picture;
     size_t size;
-    char* bytes = cli_read( name, &size );
+    AUTO_FREE char* bytes = cli_read( name, &size );
     assert_int_equal( rf_decode_image( bytes, size, name, &picture, NULL ), RF_OK );
     int value = ( (const uint8_t*)picture.data )[picture.channels * ( y * picture.width + x ) + c];
     rf_destroy_pixels( &picture );
-    free( bytes );
     return value;
 }
 
@@ -180,7 +173,7 @@ TEST( test_data_is_drawn )
 TEST( test_the_display_window_is_shown )
 {
     Foreign part = { .names = { "B", "G", "R" }, .values = { 1, 1, 1 }, .x = -3, .y = 2, .width = 80, .height = 10 };
-    write_foreign_exr( page_path( "o.exr" ), &part, 1 ); // of a display window of 64x64 pixels
+    write_foreign_exr( cli_path( "o.exr" ), &part, 1 ); // of a display window of 64x64 pixels
     cli_expect( cli_run( "$R png o.exr o.png && $R png o.exr w.png --window data" ), 0, NULL );
     RfPixels picture;
     size_t size;

@@ -6,10 +6,6 @@
 #include <jansson.h>
 #include <netinet/in.h>
 #include <signal.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/socket.h>
 #include <sys/time.h>
 #include <time.h>
@@ -40,9 +36,8 @@ TEST( test_file_changes_nothing )
                          "&& for f in a/*; do cmp $f b/${f#*/} || exit 1; done" ),
                 0, NULL );
     size_t size;
-    char* bytes = cli_read( "a.png", &size );
+    AUTO_FREE char* bytes = cli_read( "a.png", &size );
     assert_memory_equal( bytes, "\x89PNG", 4 );
-    free( bytes );
     assert_int_equal( cli_count_files( ".tmp", "." ), 0 );
 }
 
@@ -53,9 +48,8 @@ TEST( test_file_comes_early )
     wait_for( "e.png" );
     cli_expect( cli_wait( SIGINT ), 130, "0 of 3 frames are finished" );
     size_t size;
-    unsigned char* bytes = (unsigned char*)cli_read( "e.png", &size );
+    AUTO_FREE unsigned char* bytes = (unsigned char*)cli_read( "e.png", &size );
     assert_true( size > 24 && bytes[19] == 64 && bytes[23] == 36 );
-    free( bytes );
 }
 
 TEST( test_what_cannot_be_shown )
@@ -135,27 +129,24 @@ static char* get( int port, const char* path, const char* host )
 
 static void expect_reply( int port, const char* path, const char* host, const char* status, const char* part )
 {
-    char* reply = get( port, path, host );
+    AUTO_FREE char* reply = get( port, path, host );
     if ( strncmp( reply, "HTTP/1.1 ", 9 ) != 0 || strncmp( reply + 9, status, 3 ) != 0 || strstr( reply, part ) == NULL )
         fail_msg( "%s of %s: %.300s", path, host, reply );
-    free( reply );
 }
 
 static json_t* status_of( int port )
 {
-    char* reply = get( port, "/status", "localhost" );
+    AUTO_FREE char* reply = get( port, "/status", "localhost" );
     const char* body = strstr( reply, "\r\n\r\n" );
     json_t* json = body != NULL ? json_loads( body + 4, 0, NULL ) : NULL;
     assert_non_null( json );
-    free( reply );
     return json;
 }
 
 static double value_of( int port, const char* key )
 {
-    json_t* json = status_of( port );
+    json_auto_t* json = status_of( port );
     double value = json_number_value( json_object_get( json, key ) );
-    json_decref( json );
     return value;
 }
 
@@ -169,10 +160,9 @@ static int start_page( const char* options )
     {
         wait_a_moment();
         size_t size;
-        char* said = cli_exists( "said" ) ? cli_read( "said", &size ) : NULL;
+        AUTO_FREE char* said = cli_exists( "said" ) ? cli_read( "said", &size ) : NULL;
         const char* at = said != NULL ? strstr( said, "http://127.0.0.1:" ) : NULL;
         port = at != NULL && strchr( at, '\n' ) != NULL ? atoi( at + 17 ) : 0;
-        free( said );
     }
     assert_true( port > 0 );
     return port;
@@ -180,9 +170,8 @@ static int start_page( const char* options )
 
 static size_t finished_frames( int port )
 {
-    json_t* json = status_of( port );
+    json_auto_t* json = status_of( port );
     size_t count = json_array_size( json_object_get( json, "finished" ) );
-    json_decref( json );
     return count;
 }
 
@@ -191,7 +180,7 @@ TEST( test_page_shows_what_goes_on )
     int port = start_page( "-o l/f.####.exr --frames 2-4 --size 64x36 --spp " SOME " --group 0 --aov depth,albedo" );
     for ( int i = 0; i < 12000 && ( value_of( port, "version" ) < 1.0 || finished_frames( port ) < 1 ); ++i )
         wait_a_moment();
-    json_t* json = status_of( port );
+    json_auto_t* json = status_of( port );
     assert_int_equal( (int)json_integer_value( json_object_get( json, "frames" ) ), 3 );
     assert_in_range( json_integer_value( json_object_get( json, "frame" ) ), 2, 4 );
     assert_true( json_number_value( json_object_get( json, "spp" ) ) >= 1.0 );
@@ -201,7 +190,6 @@ TEST( test_page_shows_what_goes_on )
     assert_int_equal( json_array_size( passes ), 2 );
     assert_string_equal( json_string_value( json_object_get( albedo, "name" ) ), "albedo" );
     assert_true( json_is_true( json_object_get( albedo, "light" ) ) && json_is_false( json_object_get( depth, "light" ) ) );
-    json_decref( json );
     expect_reply( port, "/", "127.0.0.1", "200", "</html>" );
     expect_reply( port, "/?x", "localhost", "200", "decodeFrame" );
     expect_reply( port, "/preview", "localhost", "200", "application/octet-stream" );
@@ -266,9 +254,8 @@ TEST( test_garbage_does_no_harm )
     close( half );
     free( noise );
     size_t size;
-    char* said = cli_read( "said", &size );
+    AUTO_FREE char* said = cli_read( "said", &size );
     assert_non_null( strstr( said, "interrupted: 0 of 3 frames" ) );
-    free( said );
 }
 
 // The page in a browser, by tests/browser/check-live.js.

@@ -4,12 +4,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define WIDTH 12
 #define HEIGHT 9
 #define PIXELS ( WIDTH * HEIGHT )
@@ -79,7 +73,6 @@ static void add_layers( File* file, const char* prefix, const Names* names, cons
 // Writes the layers, with `colour` as R, G and B.
 static void write_file( const char* name, const File* file, const float* colour )
 {
-    char path[512];
     RfError error;
     RfImage image = { WIDTH, HEIGHT, (float*)(uintptr_t)colour };
     RfExrOptions options = rf_default_exr_options();
@@ -90,8 +83,7 @@ static void write_file( const char* name, const File* file, const float* colour 
     options.fps_denominator = 1;
     options.channels = file->channels;
     options.channel_count = file->count;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
 }
 
@@ -105,16 +97,13 @@ static void write_layers( const char* name, const Names* names, const Layers* l 
 
 static void read_result( const char* name, float* rgb )
 {
-    char path[512];
-    RfImage image;
+    AUTO_IMAGE image;
     RfExrWindow window;
     RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr_layer( path, NULL, &image, &window, &error ) != RF_OK )
+    if ( rf_read_exr_layer( cli_path( name ), NULL, &image, &window, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     assert_true( window.x == 5 && window.y == -3 && window.width == WIDTH && window.height == HEIGHT );
     memcpy( rgb, image.rgb, 3 * PIXELS * sizeof *rgb );
-    rf_destroy_image( &image );
 }
 
 static double error_of( const float* rgb )
@@ -138,16 +127,12 @@ static double error_of_file( const char* name )
 // The header and the JSON say this of the result.
 static void check_said( const char* name, const char* json_name, const char* header, const char* method, bool biased )
 {
-    char path[512], text[128];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_read_exr_string( path, "reframe/reconstruction", text, sizeof text, NULL ), RF_OK );
-    assert_string_equal( text, header );
-    json_t* json = cli_read_json( json_name );
+    cli_expect_exr_text( name, "reframe/reconstruction", header );
+    json_auto_t* json = cli_read_json( json_name );
     assert_string_equal( json_string_value( json_object_get( json, "method" ) ), method );
     assert_true( json_is_true( json_object_get( json, "biased" ) ) == biased );
     assert_true( json_is_true( json_object_get( json, "converged" ) ) );
     assert_true( json_number_value( json_object_get( json, "residual" ) ) < 1e-5 );
-    json_decref( json );
 }
 
 TEST( test_exact_layers_give_the_image )
@@ -160,12 +145,9 @@ TEST( test_exact_layers_give_the_image )
     cli_expect( cli_run( "$R reconstruct a.exr -o out.exr --json out.json --quiet" ), 0, NULL );
     assert_true( error_of_file( "out.exr" ) < 1e-6 );
     check_said( "out.exr", "out.json", "l2, alpha 0.2: unbiased", "l2", false );
-    char path[512];
-    RfExrHeader header;
-    snprintf( path, sizeof path, "%s/out.exr", cli_folder() );
-    assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
+    assert_int_equal( rf_read_exr_header( cli_path( "out.exr" ), NULL, &header, NULL ), RF_OK );
     assert_true( header.fps_numerator == 24 && header.fps_denominator == 1 );
-    rf_destroy_exr_header( &header );
     cli_expect( cli_run( "$R reconstruct b.exr -o out2.exr" ), 0, NULL );
     assert_true( error_of_file( "out2.exr" ) < 1e-6 );
     cli_expect( cli_run( "$R reconstruct c.exr -o out3.exr --primal noisy --dx gx --dy g.y.R,g.y.G,g.y.B" ), 0, NULL );
@@ -246,11 +228,10 @@ TEST( test_sequences_keep_their_numbers )
     cli_expect( run, 0, "warning: shot/f.####.exr: lacks frame 5" );
     assert_non_null( strstr( run->out, "3 frames in out.##.exr: l2" ) );
     assert_true( cli_exists( "out.03.exr" ) && cli_exists( "out.06.exr" ) && error_of_file( "out.04.exr" ) < 1e-6 );
-    json_t* json = cli_read_json( "out.json" );
+    json_auto_t* json = cli_read_json( "out.json" );
     const json_t* frames = json_object_get( json, "frames" );
     assert_int_equal( json_array_size( frames ), 3 );
     assert_int_equal( json_integer_value( json_object_get( json_array_get( frames, 2 ), "frame" ) ), 6 );
-    json_decref( json );
     cli_expect( cli_run( "$R reconstruct shot/f.####.exr --frames 4 -o one.##.exr" ), 0, NULL );
     assert_true( cli_exists( "one.04.exr" ) && !cli_exists( "one.03.exr" ) );
     cli_expect( cli_run( "$R reconstruct shot/f.####.exr --frames 5 -o one.##.exr" ), 1, "frame 5 is missing" );
@@ -279,9 +260,8 @@ TEST( test_what_cannot_be_read_leaves_no_file )
     cli_expect( cli_run( "$R reconstruct nan.exr -o out.exr --alpha 0" ), 2, "--alpha: expected a number from 0.0001" );
     assert_int_equal( cli_count_files( "", "." ), files );
     size_t size;
-    char* kept = cli_read( "out.exr", &size );
+    AUTO_FREE char* kept = cli_read( "out.exr", &size );
     assert_true( size == 4 && memcmp( kept, "kept", 4 ) == 0 );
-    free( kept );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

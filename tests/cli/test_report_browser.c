@@ -5,11 +5,6 @@
 #include "support/test.h"
 #include "image/exr.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #ifdef REFRAME_SANITIZED
@@ -28,10 +23,8 @@
 // A ball of light that moves over a ramp, with noise of its own in each frame.
 static void write_frame( const char* name, int width, int height, int frame, float noise )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     assert_int_equal( rf_create_image( width, height, &image, &error ), RF_OK );
     uint32_t seed = 12345u + (uint32_t)frame;
     for ( int i = 0; i < 3 * width * height; ++i )
@@ -44,9 +37,8 @@ static void write_frame( const char* name, int width, int height, int frame, flo
     }
     RfExrOptions options = rf_default_exr_options();
     options.compression = RF_EXR_NONE;
-    if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
 }
 
 static void write_sequence( const char* folder, int width, int height, int count, float noise )
@@ -63,16 +55,13 @@ static void write_sequence( const char* folder, int width, int height, int count
 // Columns, 8 pixels wide, of two brightnesses.
 static void write_columns( const char* name, float a, float b )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
-    char path[512];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
     assert_int_equal( rf_create_image( 160, 90, &image, &error ), RF_OK );
     for ( int i = 0; i < 3 * 160 * 90; ++i )
         image.rgb[i] = i / 3 % 160 / 8 % 2 == 0 ? a : b;
     RfExrOptions options = rf_default_exr_options();
-    assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
-    rf_destroy_image( &image );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, &error ), RF_OK );
 }
 
 // False where there is no browser; fails where a check does. `more`: options.
@@ -131,7 +120,7 @@ static void write_full_frame( const char* folder, int frame, float light )
                                               "CryptoObject00.R", "CryptoObject00.G", "CryptoObject00.B", "CryptoObject00.A" };
     static float values[WIDTH * HEIGHT][COUNT];
     RfExrChannel channels[COUNT];
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
     char path[512];
     snprintf( path, sizeof path, "%s/%s/f.%04d.exr", cli_folder(), folder, frame );
@@ -170,7 +159,6 @@ static void write_full_frame( const char* folder, int frame, float light )
     options.string_count = 2;
     if ( rf_write_exr( path, &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_image( &image );
 }
 
 // Verdict, warnings, AOVs, wipe, probe, on a desk and on a phone.

@@ -5,10 +5,6 @@
 #include "support/frame_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 // The first warning of a page.
 static const char* warning_of( const json_t* data )
 {
@@ -66,10 +62,10 @@ TEST( test_files_of_other_programs )
                            .height = 20,
                            .half = true,
                            .part = "beauty" } };
-    write_foreign_exr( page_path( "o/x.0007.left.exr" ), parts, 2 );
-    write_foreign_exr( page_path( "o/x.0008.left.exr" ), parts, 2 );
+    write_foreign_exr( cli_path( "o/x.0007.left.exr" ), parts, 2 );
+    write_foreign_exr( cli_path( "o/x.0008.left.exr" ), parts, 2 );
     cli_expect( cli_run( "$R report o -o o.html" ), 0, NULL );
-    json_t* data = page_read_data( "o.html", 2 );
+    json_auto_t* data = page_read_data( "o.html", 2 );
     const json_t* sequence = page_sequence( data, 0 );
     assert_int_equal( json_integer_value( json_array_get( json_object_get( data, "frames" ), 1 ) ), 8 );
     assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 30 );
@@ -77,7 +73,6 @@ TEST( test_files_of_other_programs )
     assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
     assert_null( page_fact( sequence, "Settings", "group" ) );
     assert_non_null( strstr( warning_of( data ), "1200 pixels are NaN or infinite, in 2 frames from 7 on" ) );
-    json_decref( data );
 }
 
 // The regular step is the smallest that occurs.
@@ -103,7 +98,7 @@ TEST( test_holes_by_the_smallest_step )
 
 static void write_parts( const char* name, const Foreign* parts, int count )
 {
-    write_foreign_exr( page_path( name ), parts, count );
+    write_foreign_exr( cli_path( name ), parts, count );
 }
 
 #define COLOUR( value )                                                                                                          \
@@ -184,16 +179,14 @@ TEST( test_values_fit_their_bytes )
     {
         const CliResult* result = cli_run( "$R report b -o b.html --overwrite --quiet --json - %s", cases[i].options );
         cli_expect( result, 0, NULL );
-        json_t* json = json_loads( result->out, 0, NULL );
+        json_auto_t* json = json_loads( result->out, 0, NULL );
         json_int_t bytes = json_integer_value( json_object_get( page_sequence( json, 0 ), "value_bytes" ) );
         if ( bytes > cases[i].most || bytes < cases[i].most * 2 / 5 )
             fail_msg( "%s: %lld bytes", cases[i].options, (long long)bytes );
-        json_decref( json );
-        json_t* data = page_read_data( "b.html", 3 );
+        json_auto_t* data = page_read_data( "b.html", 3 );
         int factor = (int)json_integer_value( json_object_get( page_sequence( data, 0 ), "value_factor" ) );
         if ( factor != cases[i].factor )
             fail_msg( "%s: %d", cases[i].options, factor );
-        json_decref( data );
     }
 }
 
@@ -251,7 +244,7 @@ TEST( test_passes_have_room_or_are_named )
     for ( int few = 0; few < 2; ++few )
     {
         cli_expect( cli_run( "$R report u -o u.html --overwrite --quiet %s", few ? "--passes 200" : "" ), 0, NULL );
-        json_t* data = page_read_data( "u.html", 1 );
+        json_auto_t* data = page_read_data( "u.html", 1 );
         const json_t *layers = json_object_get( page_sequence( data, 0 ), "layers" ), *key = json_array_get( layers, 0 );
         const json_t* crypto = json_array_get( layers, 1 );
         assert_int_equal( json_array_size( layers ), few ? 2 : 3 );
@@ -260,7 +253,6 @@ TEST( test_passes_have_room_or_are_named )
         assert_string_equal( json_string_value( json_object_get( crypto, "look" ) ), "mattes" );
         const json_t* warning = json_array_get( json_object_get( data, "warnings" ), 0 );
         assert_string_equal( json_string_value( json_object_get( warning, "text" ) ), lost[few] );
-        json_decref( data );
     }
 }
 
@@ -273,13 +265,12 @@ TEST( test_overscan_is_left_out )
     };
     write_parts( "w/f.1.exr", &part, 1 );
     cli_expect( cli_run( "$R report w -o w.html --quiet" ), 0, NULL );
-    json_t* data = page_read_data( "w.html", 1 );
+    json_auto_t* data = page_read_data( "w.html", 1 );
     const json_t *sequence = page_sequence( data, 0 ), *layer = json_array_get( json_object_get( sequence, "layers" ), 0 );
     assert_int_equal( json_integer_value( json_object_get( sequence, "width" ) ), 64 );
     assert_int_equal( json_integer_value( json_object_get( sequence, "file_height" ) ), 64 );
     assert_int_equal( json_integer_value( json_object_get( layer, "width" ) ), 64 );
     assert_string_equal( page_fact( sequence, "Picture", "Size" ), "64 x 64, with overscan 64 x 72" );
-    json_decref( data );
 }
 
 TEST( test_sizes_must_agree )

@@ -7,10 +7,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static json_t* parse_json( const char* text )
 {
@@ -31,14 +27,13 @@ TEST( test_two_sequences_against_a_reference )
         cli_run( "$R report t/a t/b --reference t/r -o t.html --json - --fps 25 --exposure 1.5 --title 'All of it' --quiet" );
     cli_expect( result, 0, NULL );
     assert_string_equal( result->err, "" );
-    json_t* json = parse_json( result->out );
+    json_auto_t* json = parse_json( result->out );
     size_t size;
     free( cli_read( "t.html", &size ) );
     assert_int_equal( json_integer_value( json_object_get( json, "bytes" ) ), size );
     assert_int_equal( json_integer_value( json_object_get( json, "frames" ) ), 4 );
     assert_int_equal( json_array_size( json_object_get( json, "sequences" ) ), 3 );
-    json_decref( json );
-    json_t* data = page_read_data( "t.html", 12 );
+    json_auto_t* data = page_read_data( "t.html", 12 );
     assert_string_equal( json_string_value( json_object_get( data, "title" ) ), "All of it" );
     assert_true( json_number_value( json_object_get( data, "fps" ) ) == 25.0 &&
                  json_number_value( json_object_get( data, "exposure" ) ) == 1.5 );
@@ -56,7 +51,6 @@ TEST( test_two_sequences_against_a_reference )
     assert_string_equal( json_string_value( page_item( r, "blocks", 3 ) ), "s2-4" );
     assert_non_null( page_fact( b, "Error", "Flicker: F1" ) );
     assert_null( page_fact( r, "Error", "relMSE" ) );
-    json_decref( data );
 }
 
 // No name ends the script that it stands in, or begins another.
@@ -78,17 +72,15 @@ TEST( test_hostile_names_stay_text )
     assert_non_null( page_fact( sequence, "Header", "Software" ) );
     json_decref( data );
     size_t size;
-    char* text = cli_read( "h.html", &size );
+    AUTO_FREE char* text = cli_read( "h.html", &size );
     assert_int_equal( page_count( text, "<title>" ) + page_count( text, "</title>" ), 2 );
-    free( text );
     // a value without an end
-    char* longest = malloc( 100001 );
+    AUTO_FREE char* longest = malloc( 100001 );
     assert_non_null( longest );
     memset( longest, 'x', 100000 );
     longest[100000] = '\0';
     const RfExrString one = { "comments", longest };
     page_write_frame( "h/long.exr", 20, 20, 1.0f, &one, 1 );
-    free( longest );
     cli_expect( cli_run( "$R report h/long.exr -o h2.html --quiet" ), 0, NULL );
     data = page_read_data( "h2.html", 1 );
     assert_true( strlen( page_fact( page_sequence( data, 0 ), "Header", "comments" ) ) < 300 );
@@ -143,13 +135,12 @@ TEST( test_estimates_in_headers )
     page_write_frame( "e/f1.exr", 20, 20, 1.0f, said, 4 );
     page_write_frame( "e/f2.exr", 20, 20, 1.0f, &none, 1 );
     cli_expect( cli_run( "$R report e -o e.html" ), 0, NULL );
-    json_t* data = page_read_data( "e.html", 2 );
+    json_auto_t* data = page_read_data( "e.html", 2 );
     page_check_item( page_sequence( data, 0 ), "relmse", 0, 0.125 );
     assert_true( json_is_null( page_item( page_sequence( data, 0 ), "relmse", 1 ) ) );
     page_check_item( page_sequence( data, 0 ), "samples", 0, 6.5 );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "group" ), "3" );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "noise" ), "0.2" );
-    json_decref( data );
 }
 
 // Whatever Reframe writes into a header is on the page, but what tells where a frame belongs and what the page has as numbers.
@@ -174,8 +165,8 @@ TEST( test_every_attribute_is_shown )
     page_make_folder( "keys" );
     page_write_frame( "keys/f1.exr", 20, 20, 1.0f, strings, RF_KEY_COUNT );
     cli_expect( cli_run( "$R report keys -o keys.html" ), 0, NULL );
-    json_t* data = page_read_data( "keys.html", 1 );
-    char* text = json_dumps( json_object_get( page_sequence( data, 0 ), "facts" ), 0 );
+    json_auto_t* data = page_read_data( "keys.html", 1 );
+    AUTO_FREE char* text = json_dumps( json_object_get( page_sequence( data, 0 ), "facts" ), 0 );
     assert_non_null( text );
     for ( int key = 0; key < RF_KEY_COUNT; ++key )
     {
@@ -185,8 +176,6 @@ TEST( test_every_attribute_is_shown )
         if ( ( strstr( text, values[key] ) != NULL ) == is_elsewhere )
             fail_msg( "%s", rf_key_name( (RfKey)key ) );
     }
-    free( text );
-    json_decref( data );
 }
 
 // What the reference says of itself is no error of it.
@@ -198,23 +187,21 @@ TEST( test_reference_json_is_no_error )
     page_write_frames( "q/r/f.####.exr", 1, 2, 1.0f, 0.0f );
     cli_write( "q/r/r.json", RENDER_JSON, strlen( RENDER_JSON ) );
     cli_expect( cli_run( "$R report q/a --reference q/r -o q.html" ), 0, NULL );
-    json_t* data = page_read_data( "q.html", 4 );
+    json_auto_t* data = page_read_data( "q.html", 4 );
     page_check_item( page_sequence( data, 0 ), "relmse", 1, 0.0 );
     assert_true( json_is_null( page_item( page_sequence( data, 1 ), "relmse", 1 ) ) );
     page_check_item( page_sequence( data, 1 ), "seconds", 1, 1.5 );
     assert_string_equal( page_fact( page_sequence( data, 1 ), "Cost", "Time" ), "2 min 5 s" );
-    json_decref( data );
 }
 
 TEST( test_width_shrinks_pictures )
 {
     page_write_frame( "w.exr", 100, 50, 1.0f, NULL, 0 );
     cli_expect( cli_run( "$R report w.exr -o w.html --width 40 --json w.json" ), 0, NULL );
-    json_t* data = page_read_data( "w.html", 1 );
+    json_auto_t* data = page_read_data( "w.html", 1 );
     assert_int_equal( json_integer_value( json_object_get( page_sequence( data, 0 ), "width" ) ), 34 );
     assert_int_equal( json_integer_value( json_object_get( page_sequence( data, 0 ), "height" ) ), 17 );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Size" ), "100 x 50, shown as 34 x 17" );
-    json_decref( data );
     assert_true( cli_exists( "w.json" ) );
 }
 
@@ -225,7 +212,7 @@ TEST( test_render_output_as_it_is )
         cli_run( "$R render $VASE -o v/f.####.exr --frames 1-3 --size 48x32 --spp 3 --group 1 --aov motion,depth,variance "
                  "--json v/render.json --quiet && $R report v -o v.html" ),
         0, NULL );
-    json_t* data = page_read_data( "v.html", 3 );
+    json_auto_t* data = page_read_data( "v.html", 3 );
     const json_t* sequence = page_sequence( data, 0 );
     assert_true( json_is_number( page_item( sequence, "f1", 2 ) ) && json_is_number( page_item( sequence, "phi", 2 ) ) &&
                  json_is_null( page_item( sequence, "f1", 0 ) ) );
@@ -236,7 +223,6 @@ TEST( test_render_output_as_it_is )
         assert_non_null( page_fact( sequence, wanted[i][0], wanted[i][1] ) );
     assert_non_null( page_fact( sequence, "Error", "Flicker: phi" ) );
     assert_null( page_fact( sequence, "Cost", "Totals" ) );
-    json_decref( data );
 }
 
 TEST( test_wrong_input_is_refused )

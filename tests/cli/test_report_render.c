@@ -4,10 +4,6 @@
 #include "support/frame_files.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SMALL "--size 48x32 --spp 3 --group 1 --quiet "
 
 static const char* samples_of( const char* folder )
@@ -15,12 +11,10 @@ static const char* samples_of( const char* folder )
     static char text[128];
     cli_expect( cli_run( "$R report %s -o n.html --overwrite", folder ), 0, NULL );
     size_t size;
-    char* page = cli_read( "n.html", &size ); // as many pictures as frames
-    json_t* data = page_read_data( "n.html", page_count( page, "<script type=\"text/plain\" id=\"s" ) );
+    AUTO_FREE char* page = cli_read( "n.html", &size ); // as many pictures as frames
+    json_auto_t* data = page_read_data( "n.html", page_count( page, "<script type=\"text/plain\" id=\"s" ) );
     const char* said = page_fact( page_sequence( data, 0 ), "Cost", "Samples a pixel" );
     snprintf( text, sizeof text, "%s", said != NULL ? said : "" );
-    json_decref( data );
-    free( page );
     return text;
 }
 
@@ -33,10 +27,9 @@ TEST( test_traced_samples )
     assert_string_equal( samples_of( "n" ), "" ); // of a version that did not count
     page_write_frame( "n/f1.exr", 20, 20, 1.0f, said, 3 );
     assert_string_equal( samples_of( "n" ), "27.5" );
-    json_t* data = page_read_data( "n.html", 1 );
+    json_auto_t* data = page_read_data( "n.html", 1 );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "spp" ), "28" );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Settings", "adaptive" ), "yes" );
-    json_decref( data );
     said[1].value = "40";
     page_write_frame( "n/f2.exr", 20, 20, 1.0f, said, 2 );
     page_write_frame( "n/f3.exr", 20, 20, 1.0f, NULL, 0 );
@@ -96,13 +89,12 @@ TEST( test_render_output_as_it_is )
                          "$R render $VASE -o v/f.####.exr --frames 1-4 --resume --json v/render.json " SMALL
                          "&& $R report v -o v.html" ),
                 0, NULL );
-    json_t* data = page_read_data( "v.html", 4 );
+    json_auto_t* data = page_read_data( "v.html", 4 );
     assert_string_equal( page_fact( page_sequence( data, 0 ), "Cost", "Totals" ),
                          "of 1 frame rendered last; 3 kept from before" );
     for ( size_t i = 0; i < 4; ++i )
         assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) &&
                      json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
-    json_decref( data );
     assert_true( atof( samples_of( "v" ) ) >= 2.0 );
 }
 

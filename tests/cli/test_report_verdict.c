@@ -4,9 +4,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // Two frames, and the JSON of a render that took `seconds` for each.
 static void write_render( const char* folder, int threads, double seconds, double first, double second, const char* more )
@@ -137,14 +134,12 @@ TEST( test_render_writes_what_is_read )
     cli_expect( cli_run( "$R render $VASE -o k/f.##.exr --frames 1-2 --size 24x16 --spp 2 --group 0 --aov variance --quiet "
                          "--json k/r.json" ),
                 0, NULL );
-    json_t* data = report( "k", 2 );
+    json_auto_t* data = report( "k", 2 );
     const json_t* warnings = json_object_get( data, "warnings" );
     assert_true( json_is_array( warnings ) );
-    json_decref( data );
     size_t size;
-    char* text = cli_read( "k/r.json", &size );
+    AUTO_FREE char* text = cli_read( "k/r.json", &size );
     assert_non_null( strstr( text, "\"warnings\": [" ) );
-    free( text );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -8,33 +8,8 @@
 
 #include <dirent.h>
 #include <jansson.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 
 #define PATH "{\"kind\":\"dolly\",\"from\":[0,0,5],\"to\":[0,0,3],\"target\":[0,0,0],\"frames\":7}"
-
-static void read_exr_text( const char* name, const char* key, char* value, size_t size )
-{
-    char path[256];
-    RfError error = { 0 };
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr_string( path, key, value, size, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-}
-
-static void expect_size( const char* name, int width, int height )
-{
-    char path[256];
-    RfError error = { 0 };
-    RfImage image;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_read_exr( path, &image, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    assert_int_equal( image.width, width );
-    assert_int_equal( image.height, height );
-    rf_destroy_image( &image );
-}
 
 static void write_render( const char* render )
 {
@@ -45,29 +20,22 @@ static void write_render( const char* render )
 
 TEST( test_render_defaults )
 {
-    char value[64];
     write_render(
         "{\"size\":[20,10],\"spp\":3,\"group\":0,\"seed\":9,\"fps\":\"24000/1001\",\"weights\":\"exact\","
         "\"normalize\":\"ratio\",\"max_depth\":4,\"light_samples\":2,\"frames\":\"2-3\",\"tile\":\"1\",\"aov\":\"albedo\"}" );
     cli_expect( cli_run( "$R render scene.json -o a.####.exr --quiet" ), 0, NULL );
     assert_true( !cli_exists( "a.0001.exr" ) && cli_exists( "a.0003.exr" ) );
-    expect_size( "a.0002.exr", 20, 10 );
+    cli_expect_size( "a.0002.exr", 20, 10 );
     static const char* const wanted[][2] = { { "reframe/spp", "3" },       { "reframe/group", "0" },
                                              { "reframe/seed", "9" },      { "reframe/normalize", "ratio" },
                                              { "reframe/max-depth", "4" }, { "reframe/light-samples", "2" },
                                              { "reframe/camera", "path" } };
-    for ( size_t i = 0; i < sizeof wanted / sizeof wanted[0]; ++i )
-    {
-        read_exr_text( "a.0002.exr", wanted[i][0], value, sizeof value );
-        assert_string_equal( value, wanted[i][1] );
-    }
+    cli_expect_exr_texts( "a.0002.exr", wanted, sizeof wanted / sizeof wanted[0] );
     // the command line wins
     cli_expect( cli_run( "$R render scene.json -o b.exr --quiet --size 8x6 --seed 4 --frames 1 --camera Side" ), 0, NULL );
-    expect_size( "b.exr", 8, 6 );
-    read_exr_text( "b.exr", "reframe/seed", value, sizeof value );
-    assert_string_equal( value, "4" );
-    read_exr_text( "b.exr", "reframe/camera", value, sizeof value );
-    assert_string_equal( value, "Side" );
+    cli_expect_size( "b.exr", 8, 6 );
+    cli_expect_exr_text( "b.exr", "reframe/seed", "4" );
+    cli_expect_exr_text( "b.exr", "reframe/camera", "Side" );
 }
 
 TEST( test_render_faults )
@@ -138,9 +106,7 @@ TEST( test_mutated_defaults )
 {
     static const char text[] = "{\"scene\":\"a.glb\",\"render\":{\"size\":[20,10],\"spp\":3,\"group\":\"auto\",\"seed\":9,"
                                "\"fps\":\"24000/1001\",\"weights\":\"exact\",\"max_depth\":4,\"frames\":\"2-3\"}}";
-    char path[256];
     int read = 0;
-    snprintf( path, sizeof path, "%s/scene.json", cli_folder() );
     for ( uint64_t i = 0; i < 2000; ++i )
     {
         char bytes[sizeof text];
@@ -149,7 +115,7 @@ TEST( test_mutated_defaults )
         RfSceneFile file;
         RfRenderOptions options;
         RfError error = { 0 };
-        RfResult result = rf_open_scene_file( path, &file, &error );
+        RfResult result = rf_open_scene_file( cli_path( "scene.json" ), &file, &error );
         if ( result == RF_OK )
         {
             RfField defaults = rf_scene_file_defaults( &file, &error );
@@ -325,7 +291,7 @@ static void expect_words( const json_t* schema, const RfOption* option )
 // A scene file may give what the command line may.
 TEST( test_schema_has_the_limits_of_the_options )
 {
-    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    json_auto_t* schema = load_schema( "scenes/scene.schema.json" );
     const json_t* render = json_object_get( json_object_get( schema, "properties" ), "render" );
     int checked = 0;
     for ( int i = 0; i < rf_render_table.option_count; ++i )
@@ -350,7 +316,6 @@ TEST( test_schema_has_the_limits_of_the_options )
             expect_words( property, option );
     }
     assert_true( checked > 20 );
-    json_decref( schema );
 }
 
 // A number at a limit of the schema is read, one beyond is not.
@@ -379,7 +344,7 @@ TEST( test_schema_has_the_limits_of_keys )
         { "time", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"time\":%.17g,\"strength\":1}]}" },
         { "frame", "\"environment\":{\"radiance\":[1,1,1],\"keys\":[{\"frame\":%.17g,\"strength\":1}]}" },
     };
-    json_t* schema = load_schema( "scenes/scene.schema.json" );
+    json_auto_t* schema = load_schema( "scenes/scene.schema.json" );
     for ( size_t i = 0; i < sizeof keyed / sizeof keyed[0]; ++i )
     {
         const json_t* definition = json_object_get( json_object_get( schema, "$defs" ), keyed[i][0] );
@@ -389,7 +354,6 @@ TEST( test_schema_has_the_limits_of_keys )
         expect_limit( keyed[i][1], low, low - 0.5 );
         expect_limit( keyed[i][1], high, high * 1.01 );
     }
-    json_decref( schema );
 }
 
 static int count_examples( const char* folder, const char* command )

@@ -3,11 +3,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 // Returns how many were tried.
@@ -137,10 +132,9 @@ TEST( test_command_it_gives_is_taken_by_render )
     int tried = check_rows( tune );
     cli_expect( cli_run( "python3 -c \"import xml.dom.minidom as m; m.parse('plot.svg')\"" ), 0, NULL );
     size_t size;
-    char* svg = cli_read( "plot.svg", &size );
+    AUTO_FREE char* svg = cli_read( "plot.svg", &size );
     check_plot( svg, tune, tried );
-    free( svg );
-    char* table = cli_read( "table.txt", &size );
+    AUTO_FREE char* table = cli_read( "table.txt", &size );
     const char* command = json_string_value( json_object_get( tune, "command" ) );
     assert_non_null( strstr( table, command ) );
     assert_non_null( strstr( table, "10 settings: spp would more than double" ) );
@@ -151,7 +145,6 @@ TEST( test_command_it_gives_is_taken_by_render )
     assert_int_equal( strncmp( command, "reframe ", 8 ), 0 );
     cli_expect( cli_run( "$R %s --quiet > out.txt", command + 8 ), 0, NULL );
     assert_int_equal( cli_count_files( ".exr", "out" ), 2 );
-    free( table );
     json_decref( tune );
     // words on the way, and JSON alone on standard output
     const CliResult* said = NULL;
@@ -167,7 +160,7 @@ TEST( test_command_it_gives_is_taken_by_render )
 TEST( test_names_are_quoted_for_the_shell )
 {
     cli_expect( cli_run( "cp $VASE \"a b'c.glb\"" ), 0, NULL );
-    json_t* tune =
+    json_auto_t* tune =
         tune_settings( "$R tune \"a b'c.glb\" --size 8x6 --spp 1 --frames 3 --camera 'Camera' --budget %d --quiet --json "
                        "tune.json > out.txt",
                        4, 1 );
@@ -175,7 +168,6 @@ TEST( test_names_are_quoted_for_the_shell )
     static const char start[] = "reframe render 'a b'\\''c.glb' -o out/frame.####.exr --group ";
     assert_int_equal( strncmp( command, start, strlen( start ) ), 0 );
     cli_expect( cli_run( "$R %s --overwrite --quiet > out.txt", command + 8 ), 0, NULL );
-    json_decref( tune );
 }
 
 TEST( test_wrong_commands_are_refused )
@@ -212,7 +204,7 @@ TEST( test_named_least_budget_works )
     cli_expect( cli_run( "%s --budget 6 --memory %ldM", command, least - 1 ), 1, "give --memory " );
     char enough[256];
     snprintf( enough, sizeof enough, "%s --budget %%d --memory %ldM > table.txt", command, least );
-    json_t* tune = tune_settings( enough, 6, 1 );
+    json_auto_t* tune = tune_settings( enough, 6, 1 );
     const json_t* rows = json_object_get( tune, "rows" );
     size_t size;
     char *table = cli_read( "table.txt", &size ), why[96];
@@ -231,7 +223,6 @@ TEST( test_named_least_budget_works )
     assert_non_null( strstr( table, ": does not fit in memory" ) );
     assert_true( without_room > 0 && without_room < (int)json_array_size( rows ) );
     free( table );
-    json_decref( tune );
 }
 
 TEST( test_interrupt_exits_130 )
@@ -245,9 +236,8 @@ TEST( test_interrupt_exits_130 )
             free( cli_read( "said.txt", &size ) );
     }
     assert_int_equal( cli_wait( 2 )->status, 130 );
-    char* said = cli_read( "said.txt", &size );
+    AUTO_FREE char* said = cli_read( "said.txt", &size );
     assert_non_null( strstr( said, "reframe tune: interrupted" ) );
-    free( said );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -3,11 +3,6 @@
 #include "support/test.h"
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const json_t* chosen_row( const json_t* plan )
 {
@@ -156,7 +151,7 @@ TEST( test_rows_without_room )
     // of one frame, as it is rendered below: more frames wait in more buffers
     static const char options[] = "--size 64x36 --spp 9 --memory 12M --weights eq15 --max-depth 2 --frames 20 --quiet";
     cli_expect( cli_run( "$R tune $VASE --budget 0 %s --json tune.json > table.txt", options ), 0, NULL );
-    json_t* plan = cli_read_json( "tune.json" );
+    json_auto_t* plan = cli_read_json( "tune.json" );
     const json_t* rows = json_object_get( plan, "groups" );
     assert_int_equal( json_array_size( rows ), 9 );
     const json_t* last = json_array_get( rows, 8 );
@@ -167,10 +162,8 @@ TEST( test_rows_without_room )
     assert_string_equal( why, expected );
     assert_true( is_null( last, "predicted_gain" ) && is_null( json_object_get( last, "rays" ), "path" ) );
     size_t size;
-    char* table = cli_read( "table.txt", &size );
+    AUTO_FREE char* table = cli_read( "table.txt", &size );
     assert_non_null( strstr( table, expected ) );
-    free( table );
-    json_decref( plan );
     // that is the least indeed
     static const char big[] =
         "$R render $VASE --size 64x36 --spp 9 --weights eq15 --max-depth 1 --group 16 --frames 20 -o b.exr --quiet --memory %d";
@@ -233,14 +226,13 @@ TEST( test_ranges_for_several_machines )
     cli_expect( done, 0, NULL );
     assert_non_null( strstr( done->out, "3 ranges for --nodes 3, group 1" ) );
     assert_non_null( strstr( done->out, "overhead of the halos" ) );
-    json_t* json = cli_read_json( "nodes.json" );
+    json_auto_t* json = cli_read_json( "nodes.json" );
     const json_t* nodes = json_object_get( json, "nodes" );
     assert_int_equal( json_integer_value( json_object_get( nodes, "group" ) ), 1 );
     assert_int_equal( json_array_size( json_object_get( nodes, "ranges" ) ), 3 );
     assert_string_equal( range_of( nodes, 0 ), "1-4" );
     assert_string_equal( range_of( nodes, 2 ), "9-12" );
     assert_true( json_real_value( json_object_get( nodes, "overhead" ) ) > 0.2 );
-    json_decref( json );
     cli_expect( cli_run( "$R tune $VASE --budget 0 --group 2" ), 2, "--group: needs --nodes" );
     cli_expect( cli_run( "$R render $VASE -o x/f.####.exr --nodes 2" ), 2, "--nodes: needs --check" );
 }

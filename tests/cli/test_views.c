@@ -6,11 +6,6 @@
 #include "image/decode.h"
 #include "reframe/image.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 // What Blender shows of a colour, of 255: 3.4 for Filmic, 4.3 for AgX.
 typedef struct Shown
 {
@@ -96,21 +91,17 @@ static void write_grey( const char* name, float light, const char* view, const c
     RfExrOptions options = rf_default_exr_options();
     options.strings = strings;
     options.string_count = view == NULL ? 0 : 2;
-    char path[4096];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    assert_int_equal( rf_write_exr( path, &image, &options, NULL ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( name ), &image, &options, NULL ), RF_OK );
 }
 
 static int level_of( const char* name )
 {
     size_t size;
-    char* bytes = cli_read( name, &size );
-    RfPixels pixels = { 0 };
+    AUTO_FREE char* bytes = cli_read( name, &size );
+    AUTO_BY( rf_destroy_pixels ) RfPixels pixels = { 0 };
     RfError error;
     assert_int_equal( rf_decode_image( bytes, size, name, &pixels, &error ), RF_OK );
     int level = *(const unsigned char*)pixels.data;
-    rf_destroy_pixels( &pixels );
-    free( bytes );
     return level;
 }
 

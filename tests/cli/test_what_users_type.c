@@ -2,8 +2,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <string.h>
-
 #define TINY " --size 16x9 --spp 2 --group 0 --quiet "
 
 TEST( test_help_is_a_command )
@@ -37,10 +35,9 @@ TEST( test_units_and_patterns )
     cli_expect( cli_run( "$R render $VASE -o p/f.%%04d.exr --frames 9-10 --noise 100%% --time 30s --size 16x9 --overwrite "
                          "--quiet --json r.json" ),
                 0, NULL );
-    json_t* json = cli_read_json( "r.json" );
+    json_auto_t* json = cli_read_json( "r.json" );
     assert_true( json_number_value( json_object_get( json_object_get( json, "noise" ), "wanted" ) ) == 3.0 );
     assert_true( json_number_value( json_object_get( json_object_get( json, "time" ), "wanted" ) ) == 30.0 );
-    json_decref( json );
     cli_expect( cli_run( "$R compare p/f.%%04d.exr p/f.####.exr --quiet > table" ), 0, NULL );
     cli_expect( cli_run( "$R cost $VASE --noise 5%%,x" ), 2, "--noise: expected numbers above 0" );
 }
@@ -82,11 +79,10 @@ TEST( test_folders_are_compared )
     assert_non_null( strstr( result->out, "not measured: frame 6, missing from a/f.####.exr\n" ) );
     assert_non_null( strstr( result->out, "not measured: frames 1, 3, missing from b/g_###.exr\n" ) );
     assert_non_null( strstr( result->out, "not measured: frame 5, missing from both sequences\n" ) );
-    json_t* json = cli_read_json( "c.json" );
+    json_auto_t* json = cli_read_json( "c.json" );
     assert_int_equal( json_array_size( json_object_get( json, "frames" ) ), 2 );
     assert_int_equal( json_array_size( json_object_get( json, "missing_a" ) ), 1 );
     assert_int_equal( json_integer_value( json_array_get( json_object_get( json, "missing_b" ), 1 ) ), 3 );
-    json_decref( json );
     cli_expect( cli_run( "$R compare a b/g_###.exr --frames 2,4 --quiet > table" ), 0, NULL );
     cli_expect( cli_run( "$R compare a b --frames 3" ), 1, "reframe compare: b/g_###.exr: frame 3 is missing" );
     cli_expect( cli_run( "$R compare a/f.####.exr b/g_###.exr" ), 1, "but not in" ); // sequences are to be the same

@@ -8,12 +8,8 @@
 #include "convert/run_importer.h"
 
 #include <errno.h>
-#include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 
 TEST_WITHIN( test_wrong_files_and_options_are_refused, convert_enter, convert_leave )
@@ -39,13 +35,11 @@ TEST_WITHIN( test_wrong_files_and_options_are_refused, convert_enter, convert_le
     cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 1, "a.glb: is there already: give another name or --overwrite" );
     cli_expect( cli_run( "$R convert none.obj a.glb --overwrite" ), 1, "none.obj: " );
     size_t size;
-    char* bytes = cli_read( "a.glb", &size );
+    AUTO_FREE char* bytes = cli_read( "a.glb", &size );
     assert_string_equal( bytes, "mine" );
-    free( bytes );
     cli_expect( cli_run( "$R convert a.obj a.glb --quiet --overwrite" ), 0, NULL );
-    RfScene scene = convert_load( "a.glb" );
+    AUTO_SCENE scene = convert_load( "a.glb" );
     assert_int_equal( scene.triangles.count, 5 );
-    rf_destroy_scene( &scene );
 }
 
 // Files that crash assimp 5.2 to 5.4 and make it take all memory; and one whose header does not end.
@@ -105,11 +99,10 @@ TEST_WITHIN( test_own_ply_reader_says_where, convert_enter, convert_leave )
     cli_expect( cli_run( "$R convert eats.ply a.glb --quiet" ), 1, "100000000 of element face need more than" );
     assert_false( cli_exists( "a.glb" ) );
     cli_expect( cli_run( "$R convert good.ply a.glb --quiet --up z --scale 2" ), 0, NULL );
-    RfScene scene = convert_load( "a.glb" );
+    AUTO_SCENE scene = convert_load( "a.glb" );
     assert_int_equal( scene.triangles.count, 1 );
     const float* p = scene.triangles.positions;
     assert_true( p[3] == 2.0f && p[6] == 0.0f && fabsf( p[7] ) < 1e-6f && fabsf( p[8] + 2.0f ) < 1e-6f ); // y up, z towards
-    rf_destroy_scene( &scene );
 }
 
 TEST_WITHIN( test_interrupt_leaves_no_file, convert_enter, convert_leave )
@@ -129,16 +122,15 @@ TEST_WITHIN( test_interrupt_leaves_no_file, convert_enter, convert_leave )
 TEST_WITHIN( test_no_process_left, convert_enter, convert_leave )
 {
     make_hanging_importer();
-    char source[256], target[256], program[1024], hanging[256];
-    snprintf( source, sizeof source, "%s/a.ply", cli_folder() );
-    snprintf( target, sizeof target, "%s/a.glb", cli_folder() );
+    char program[1024];
     snprintf( program, sizeof program, "%s-import", REFRAME_BINARY );
-    snprintf( hanging, sizeof hanging, "%s/bin/reframe-import", cli_folder() );
     const struct
     {
         const char *program, *text;
-    } cases[] = { { hanging, "ply\n" }, { program, s_crashes }, { program, "ply\n" } };
-    RfImporterRun run = { .source = source, .target = target, .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1 };
+    } cases[] = { { cli_path( "bin/reframe-import" ), "ply\n" }, { program, s_crashes }, { program, "ply\n" } };
+    RfImporterRun run = {
+        .source = cli_path( "a.ply" ), .target = cli_path( "a.glb" ), .memory = (size_t)512 << 20, .seconds = 0.3, .scale = 1
+    };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
         RfModelCounts counts;
@@ -159,9 +151,7 @@ TEST_WITHIN( test_no_process_left, convert_enter, convert_leave )
 
 static RfResult write_model( const RfModel* model, RfError* error )
 {
-    char path[256];
-    snprintf( path, sizeof path, "%s/m.glb", cli_folder() );
-    return rf_write_glb( path, model, true, error );
+    return rf_write_glb( cli_path( "m.glb" ), model, true, error );
 }
 
 TEST_WITHIN( test_writer_refuses, convert_enter, convert_leave )
@@ -177,9 +167,8 @@ TEST_WITHIN( test_writer_refuses, convert_enter, convert_leave )
     };
     RfError error;
     assert_int_equal( write_model( &model, &error ), RF_OK );
-    RfScene scene = convert_load( "m.glb" );
+    AUTO_SCENE scene = convert_load( "m.glb" );
     assert_int_equal( scene.triangles.count, 1 );
-    rf_destroy_scene( &scene );
     indices[1] = 3;
     assert_int_equal( write_model( &model, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "there is no vertex 3" ) );

@@ -5,11 +5,6 @@
 
 #include "scene/textured.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const RfMaterial* material_of( const RfScene* scene, const char* name )
 {
     for ( uint32_t i = 0; i < scene->material_count; ++i )
@@ -47,11 +42,10 @@ TEST_WITHIN( test_obj_arrives, convert_enter, convert_leave )
     cli_expect( run, 0, "warning: 1 points and lines are left out" );
     assert_non_null( strstr( run->out, "a.glb: 5 triangles in 4 meshes" ) );
     size_t size;
-    char* json = cli_read( "a.json", &size );
+    AUTO_FREE char* json = cli_read( "a.json", &size );
     assert_non_null( strstr( json, "\"triangles\": 5" ) );
     assert_non_null( strstr( json, "\"warnings\": 1" ) );
-    free( json );
-    RfScene scene = convert_load( "a.glb" );
+    AUTO_SCENE scene = convert_load( "a.glb" );
     assert_int_equal( scene.triangles.count, 5 );
     convert_assert_point( &scene.bounds_min.x, 0, 0, 0 );
     convert_assert_point( &scene.bounds_max.x, 2, 3, 0 );
@@ -67,7 +61,6 @@ TEST_WITHIN( test_obj_arrives, convert_enter, convert_leave )
             assert_true( convert_near( uv[0], 0 ) && convert_near( uv[1], 0.25 ) );
     }
     assert_true( seen > 0 );
-    rf_destroy_scene( &scene );
     convert_assert_files( 5 );
 }
 
@@ -75,11 +68,10 @@ TEST_WITHIN( test_placement_arrives, convert_enter, convert_leave )
 {
     convert_write_obj();
     cli_expect( cli_run( "$R convert a.obj a.glb --up z --scale 0.5 --quiet" ), 0, NULL );
-    RfScene scene = convert_load( "a.glb" );
+    AUTO_SCENE scene = convert_load( "a.glb" );
     convert_assert_point( &scene.bounds_min.x, 0, 0, -1.5 ); // y went to −z
     convert_assert_point( &scene.bounds_max.x, 1, 0, 0 );
     assert_true( convert_near( scene.triangles.normals[1], 1 ) );
-    rf_destroy_scene( &scene );
 }
 
 #define COLLADA( optics )                                                                                                        \
@@ -257,7 +249,7 @@ TEST_WITHIN( test_fbx_arrives, convert_enter, convert_leave )
     assert_int_equal( run->status, 0 );
     assert_non_null( strstr( run->err, "camera 'cam': its field of view is taken as 60 degrees across" ) );
     assert_non_null( strstr( run->err, "its z points up: unless that is given already, convert it with z up" ) );
-    RfScene scene = convert_load( "f.glb" );
+    AUTO_SCENE scene = convert_load( "f.glb" );
     convert_assert_point( &scene.bounds_min.x, 1, 2, 3 ); // metres
     convert_assert_point( &scene.bounds_max.x, 2, 3, 3 );
     const RfMaterial* m = material_of( &scene, "m" );
@@ -269,7 +261,6 @@ TEST_WITHIN( test_fbx_arrives, convert_enter, convert_leave )
     assert_int_equal( scene.punctual_count, 1 );
     convert_assert_point( &scene.punctuals->direction.x, 0, -1, 0 );
     assert_true( convert_near( scene.punctuals->cos_outer, cos( 0.5235987755982988 ) ) );
-    rf_destroy_scene( &scene );
 }
 
 TEST_WITHIN( test_missing_texture, convert_enter, convert_leave )
@@ -285,9 +276,8 @@ TEST_WITHIN( test_vertex_colours_arrive, convert_enter, convert_leave )
 {
     convert_write( "a.obj", "v 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\nf 1 2 3\n" );
     cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 0, NULL );
-    RfScene scene = convert_load( "a.glb" );
+    AUTO_SCENE scene = convert_load( "a.glb" );
     assert_non_null( scene.triangles.colors );
     convert_assert_point( scene.triangles.colors, 1, 0.214041, 0 );               // linear
     assert_true( convert_near( scene.materials->textured->factors.base[0], 1 ) ); // and not darkened by assimp's grey
-    rf_destroy_scene( &scene );
 }

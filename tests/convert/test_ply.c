@@ -4,11 +4,6 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static GltfFolder s_folder;
 static int s_warnings;
 static char s_warning[512];
@@ -58,7 +53,7 @@ TEST( test_ascii_is_read )
             2 ) "end_header\n"
                 "0 0 0 255 0 128 0 0\n1e0 0 -0 255 0 128 1 0\n 1.00 1 0 255 0 128 1 1\n+0 .1e1 0 255 0 128 0 0.25\n"
                 "2 1.5 2.5 7\n0 8\n4 0 1 2 3\n3 0\t1 2";
-    RfModel model;
+    AUTO_BY( rf_destroy_model ) RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_true( m->vertex_count == 4 && m->triangle_count == 3 && m->normals == NULL );
     static const float positions[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
@@ -70,7 +65,6 @@ TEST( test_ascii_is_read )
     assert_true( m->colors[0] == 1.0f && m->colors[1] == 0.0f && fabsf( m->colors[2] - 0.2158605f ) < 1e-5f &&
                  m->colors[3] == 1.0f );
     assert_int_equal( s_warnings, 0 );
-    rf_destroy_model( &model );
 }
 
 // The square with normals, bytes in either order.
@@ -154,11 +148,10 @@ TEST( test_concave_polygons_are_cut )
     static const char text[] = "ply\nformat ascii 1.0\nelement vertex 10\nproperty float x\nproperty float y\nproperty float z\n"
                                "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
                                "0 0 0 2 1 0 0 2 0 0.5 1 0\n0 0 5 3 0 5 3 1 5 1 1 5 1 3 5 0 3 5\n4 0 1 2 3\n6 4 5 6 7 8 9\n";
-    RfModel model;
+    AUTO_BY( rf_destroy_model ) RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_int_equal( m->triangle_count, 6 );
     assert_true( fabs( area_of( m ) - ( 1.5 + 5.0 ) ) < 1e-6 );
-    rf_destroy_model( &model );
 }
 
 #define HEAD "ply\nformat ascii 1.0\n"
@@ -167,11 +160,10 @@ TEST( test_warnings_say_what_is_left_out )
 {
     static const char text[] = HEAD VERTICES "property float nx\nproperty float ny\nproperty float nz\n" FACES(
         2 ) "end_header\n0 0 0 0 0 1 1 0 0 0 0 1 1 1 0 0 0 0 0 1 0 0 0 1\n2 0 1 3 0 1 2";
-    RfModel model;
+    AUTO_BY( rf_destroy_model ) RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_true( m->normals == NULL && m->triangle_count == 1 && s_warnings == 2 );
     assert_non_null( strstr( s_warning, "less than three corners" ) );
-    rf_destroy_model( &model );
 }
 
 #define STRIPS "element tristrips 1\nproperty list int int vertex_indices\n"
@@ -183,13 +175,12 @@ TEST( test_strips_as_stanford_has_them )
     static const char text[] = HEAD "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n" STRIPS
                                     "end_header\n0 0 0 1 0 0 0 1 0 1 1 0 0 2 0 1 2 0\n13 0 1 2 3 4 -1 3 3 4 5 -1 -1 1\n\n";
     static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5 };
-    RfModel model;
+    AUTO_BY( rf_destroy_model ) RfModel model;
     RfModelMesh* m = load_ok( text, sizeof text - 1, &model );
     assert_int_equal( m->triangle_count, 4 );
     assert_memory_equal( m->indices, indices, sizeof indices );
     assert_true( s_warnings == 1 && strstr( s_warning, "1 faces" ) != NULL ); // the lone corner
     assert_true( fabs( area_of( m ) - 2.0 ) < 1e-6 );
-    rf_destroy_model( &model );
     assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 4\n",
                   "line 14: corner 3 of tristrips 0 is vertex 4 of 4, and not -1" );
     assert_fails( HEAD VERTICES STRIPS "end_header\n" SQUARE "4 0 1 2 -2\n", "vertex -2 of 4" );
@@ -273,12 +264,11 @@ TEST( test_what_is_taken_leniently )
               HEAD "comment %s\n" VERTICES "property float red\nproperty float green\nproperty float blue\n" FACES(
                   1 ) "end_header\n0 0 0 -2 9 .5 1 0 0 1 1 1 1 1 0 1 1 1 0 1 0 1 1 1 3 0 1 2\n",
               words );
-    RfModel model;
+    AUTO_BY( rf_destroy_model ) RfModel model;
     RfModelMesh* m = load_ok( text, strlen( text ), &model );
     assert_true( m->colors[0] == 0.0f && m->colors[1] == 1.0f && m->colors[2] == 0.5f && s_warnings == 1 );
     assert_non_null( strstr( s_warning, "2 colour values" ) );
     assert_true( m->material == 0 && model.material_count == 1 && model.materials->metallic == 0.0f );
-    rf_destroy_model( &model );
 }
 
 // Teeth all around: cutting one takes the square of its corners, and a file of
@@ -291,7 +281,7 @@ TEST( test_tangled_polygons_take_bounded_time )
         FACES_MADE = 20,
         ROOM = 16 * CORNERS * ( FACES_MADE + 1 )
     };
-    uint8_t* bytes = malloc( ROOM );
+    AUTO_FREE uint8_t* bytes = malloc( ROOM );
     size_t at = (size_t)snprintf(
         (char*)bytes, ROOM,
         "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
@@ -316,7 +306,6 @@ TEST( test_tangled_polygons_take_bounded_time )
     RfError error;
     assert_int_equal( load( bytes, at, &model, &error ), RF_ERROR_UNSUPPORTED );
     assert_non_null( strstr( error.text, "of 40000 corners takes too long to triangulate: triangulate it first" ) );
-    free( bytes );
 }
 
 // Whatever becomes of the bytes: a result or an error line, in no time.

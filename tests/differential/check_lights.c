@@ -108,13 +108,13 @@ static void judge_light( Check* check, const RfLights* lights, const RfVertexLan
 static int check_area_lights( long count )
 {
     static Check s_check = { 16, 1, reference_area, describe_area, { { "area light: density", .limit = 16 } } };
-    RfVertexLanes* v = aligned_alloc( 64, ( sizeof *v + 63 ) / 64 * 64 );
-    RfWavefront* keys = aligned_alloc( 64, ( sizeof *keys + 63 ) / 64 * 64 );
-    RfLightLanes* got = aligned_alloc( 64, ( sizeof *got + 63 ) / 64 * 64 );
+    AUTO_FREE RfVertexLanes* v = aligned_alloc( 64, ( sizeof *v + 63 ) / 64 * 64 );
+    AUTO_FREE RfWavefront* keys = aligned_alloc( 64, ( sizeof *keys + 63 ) / 64 * 64 );
+    AUTO_FREE RfLightLanes* got = aligned_alloc( 64, ( sizeof *got + 63 ) / 64 * 64 );
     for ( long first = 0, tracers = 0; first < count; ++tracers )
     {
-        RfScene scene = make_lights( 1000 + (uint32_t)tracers );
-        RfTracer* tracer = make_tracer( &scene );
+        AUTO_SCENE scene = make_lights( 1000 + (uint32_t)tracers );
+        AUTO_TRACER tracer = make_tracer( &scene );
         RfPathSettings settings = { .tracer = tracer, .max_depth = 2, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
         for ( long end = first + 2000; first < end; first += 1000 )
         {
@@ -123,12 +123,7 @@ static int check_area_lights( long count )
             for ( int i = 0; i < v->count; ++i )
                 judge_light( &s_check, rf_tracer_lights( tracer ), v, keys, got, i );
         }
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
-    free( v );
-    free( keys );
-    free( got );
     return print_check( &s_check );
 }
 

@@ -170,17 +170,17 @@ int check_tiles( long count )
     uint32_t material = add_material( &b, make_light( 1.0f, true ) );
     add_quad( &b, material, rf_vec3( 1e6f, 1e6f, 1e6f ), rf_vec3( 1e6f, 1e6f, 1.001e6f ), rf_vec3( 1e6f, 1.001e6f, 1.001e6f ),
               rf_vec3( 1e6f, 1.001e6f, 1e6f ) );
-    RfScene scene = finish_scene( &b );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = finish_scene( &b );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfPathSettings path = { .tracer = tracer, .max_depth = 3, .light_samples = 1, .light_sampling = RF_LIGHTS_BY_POWER };
     RfTileReuseSettings settings = { .path = &path, .tile_pixels = 2 };
     RfLayout layout = { 0 };
     const RfLayerSet layers = { .parts = 1, .base_parts = 1 };
     rf_place_tile_reuse( 1, 2, false, false, &layers, &layout );
     layout = ( RfLayout ){ .memory = aligned_alloc( 64, layout.bytes ) };
-    RfTileReuse* reuse = rf_place_tile_reuse( 1, 2, false, false, &layers, &layout );
-    RfVertexLanes* hits = aligned_alloc( 64, ( sizeof *hits + 63 ) / 64 * 64 );
-    RfWavefront* wavefront = aligned_alloc( 64, ( sizeof *wavefront + 63 ) / 64 * 64 );
+    AUTO_FREE RfTileReuse* reuse = rf_place_tile_reuse( 1, 2, false, false, &layers, &layout );
+    AUTO_FREE RfVertexLanes* hits = aligned_alloc( 64, ( sizeof *hits + 63 ) / 64 * 64 );
+    AUTO_FREE RfWavefront* wavefront = aligned_alloc( 64, ( sizeof *wavefront + 63 ) / 64 * 64 );
     static float s_scattered[3][RF_LANES];
     float* const scattered[3] = { s_scattered[0], s_scattered[1], s_scattered[2] };
     for ( long first = 0; first < count; first += PAIRS )
@@ -190,10 +190,5 @@ int check_tiles( long count )
         for ( int i = 0; i < PAIRS; ++i )
             judge_pair( &s_check, hits, reuse, i );
     }
-    free( reuse );
-    free( hits );
-    free( wavefront );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
     return print_check( &s_check );
 }

@@ -6,6 +6,8 @@
 #include "base/random.h"
 #include "math/vec3.h"
 
+#include "support/owned.h"
+
 #include <stddef.h>
 
 #define UNIT_ROUNDOFF 0x1p-24 // a float is known to this relative error

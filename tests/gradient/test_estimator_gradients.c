@@ -8,11 +8,6 @@
 #include "support/test.h"
 #include "support/unbiased.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define WIDTH 31
 #define HEIGHT 23
 #define BLOCK 6
@@ -93,11 +88,10 @@ static void check_films( const char* what, const RfTracer* tracer, const RfEye* 
     for ( int k = 0; k < SEEDS; ++k )
     {
         settings.seed = (uint64_t)( k + 1 );
-        Rendered r = render_all( tracer, eye, 1, &settings );
+        AUTO_BY( free_rendered ) Rendered r = render_all( tracer, eye, 1, &settings );
         memcpy( found[0].rgb[k], r.rgb, sizeof s_difference[0] );
         memcpy( found[1].rgb[k], s_difference[0], sizeof s_difference[0] );
         memcpy( found[2].rgb[k], s_difference[1], sizeof s_difference[1] );
-        free_rendered( &r );
     }
     static const char* const s_names[] = { "pixels", "dx", "dy" };
     for ( int i = 0; i < 3; ++i )
@@ -128,7 +122,7 @@ static void check_pictures( const char* what, const RfTracer* tracer, const RfEy
 
 static void check_scene( const char* what, RfScene scene, const char* const* tiles, int tile_count, bool pictures )
 {
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eye;
     orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = settings_of( NULL, SPP );
@@ -141,7 +135,6 @@ static void check_scene( const char* what, RfScene scene, const char* const* til
         check_pictures( what, tracer, &eye, settings, reference );
     for ( int i = 0; i < 3; ++i )
         free_images( reference + i );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
 
@@ -168,8 +161,8 @@ TEST( test_glass_blending_and_lamps_are_unbiased )
 // Samples are drawn by a pixel filter; the other estimator spreads them by it.
 TEST( test_filters_are_unbiased )
 {
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[2]; // of the second, random numbers of its own
     orbit_eyes( eyes, 1, 0.0f, WIDTH, HEIGHT );
     eyes[1] = eyes[0];
@@ -183,8 +176,6 @@ TEST( test_filters_are_unbiased )
     assert_unbiased( "GGX, Blackman-Harris, weighted:", &found, &reference, BLOCK );
     free_images( &reference );
     free_images( &found );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 STATISTICAL_TESTS

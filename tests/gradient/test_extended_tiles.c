@@ -2,8 +2,6 @@
 #include "support/test.h"
 #include "gradient/sampling.h"
 
-#include <string.h>
-
 enum
 {
     MOST = 40 * 40

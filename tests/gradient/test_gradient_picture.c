@@ -5,10 +5,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define WIDTH 40
 #define HEIGHT 30
 #define PIXELS ( WIDTH * HEIGHT )
@@ -73,18 +69,17 @@ static Solved* solve( const Films* films, RfReconstruction reconstruction )
     settings.filter = RF_FILTER_BOX;
     settings.reconstruction = reconstruction;
     Solved* out = calloc( 1, sizeof *out );
-    void* scratch = aligned_alloc( 64, rf_finish_gradients_bytes( &settings, WIDTH, HEIGHT ) + 64 );
+    AUTO_FREE void* scratch = aligned_alloc( 64, rf_finish_gradients_bytes( &settings, WIDTH, HEIGHT ) + 64 );
     assert_true( out != NULL && scratch != NULL );
     RfPicture picture = { .rgb = out->rgb, .variance = out->variance };
     out->relmse = rf_finish_gradients( &settings, films->film, &picture, scratch );
     out->solved = picture.solved;
-    free( scratch );
     return out;
 }
 
 TEST( test_what_is_not_finite_is_reported )
 {
-    Films* films = make_films( 0.0f, PASSES );
+    AUTO_FREE Films* films = make_films( 0.0f, PASSES );
     films->sums[RF_FILM_DX][0][4 * 77] = INFINITY;
     for ( RfReconstruction r = RF_RECONSTRUCTION_WEIGHTED; r <= RF_RECONSTRUCTION_L1; ++r )
     {
@@ -97,7 +92,6 @@ TEST( test_what_is_not_finite_is_reported )
         free( pixels );
         free( solved );
     }
-    free( films );
 }
 
 TEST( test_a_solve_that_stops_early_is_reported )
@@ -115,11 +109,11 @@ TEST( test_a_solve_that_stops_early_is_reported )
 // The error of the slope, squared, is on average what the variance says: differences make it far less than that of the pixels.
 TEST( test_variance_is_that_of_the_picture )
 {
-    Films* films = make_films( 0.0f, PASSES );
+    AUTO_FREE Films* films = make_films( 0.0f, PASSES );
     double pixels_told = 0.0;
     for ( int r = RF_RECONSTRUCTION_NONE; r >= RF_RECONSTRUCTION_WEIGHTED; --r )
     {
-        Solved* solved = solve( films, (RfReconstruction)r );
+        AUTO_FREE Solved* solved = solve( films, (RfReconstruction)r );
         double told = 0.0, error = 0.0;
         for ( int i = 0; i < PIXELS; ++i )
         {
@@ -132,9 +126,7 @@ TEST( test_variance_is_that_of_the_picture )
         if ( r != RF_RECONSTRUCTION_L1 ) // biased
             assert_true( told > 0.6 * error && told < 1.6 * error );
         assert_true( r == RF_RECONSTRUCTION_NONE || told < 0.3 * pixels_told );
-        free( solved );
     }
-    free( films );
 }
 
 // Light that tiles do not share, of a single pixel in a single pass, ends up in that pixel and nowhere else.

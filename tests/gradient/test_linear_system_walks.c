@@ -6,11 +6,7 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define WIDTH 8
 #define HEIGHT 6
@@ -262,7 +258,7 @@ static double hotelling_p( const double* values, int seeds, int count, const dou
 static Verdict judge( const double* values, int seeds, int count, const double* means )
 {
     Verdict verdict = { 0.0, 0.0, 0.0 };
-    double* of_one = malloc( (size_t)seeds * sizeof *of_one );
+    AUTO_FREE double* of_one = malloc( (size_t)seeds * sizeof *of_one );
     int used = 0, which[STATES];
     assert_non_null( of_one );
     for ( int i = 0; i < count; ++i )
@@ -277,7 +273,6 @@ static Verdict judge( const double* values, int seeds, int count, const double* 
         which[used++] = i;
     }
     verdict.all = hotelling_p( values, seeds, count, means, which, used );
-    free( of_one );
     return verdict;
 }
 
@@ -343,7 +338,7 @@ TEST( test_the_density_of_the_own_state_alone_is_biased )
 {
     check_system();
     int count = seeds() / 4;
-    double* values = malloc( (size_t)( count * STATES ) * sizeof *values );
+    AUTO_FREE double* values = malloc( (size_t)( count * STATES ) * sizeof *values );
     assert_non_null( values );
     for ( int seed = 0; seed < count; ++seed )
     {
@@ -354,7 +349,6 @@ TEST( test_the_density_of_the_own_state_alone_is_biased )
     Verdict verdict = judge( values, count, STATES, s_x );
     printf( "own density: largest |t| %.1f\n", verdict.worst );
     assert_true( verdict.worst > 8.0 && verdict.all < 1e-9 );
-    free( values );
 }
 
 // The images of one half and the variances of their means, from its passes.

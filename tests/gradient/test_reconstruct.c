@@ -3,11 +3,7 @@
 #include "base/random.h"
 #include "reframe/reconstruct.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define MOST 4096 // pixels
 
@@ -402,7 +398,7 @@ TEST( test_l1_drops_outliers_and_says_that_it_is_biased )
 TEST( test_same_bits_for_any_threads_and_memory )
 {
     size_t bytes = rf_reconstruct_bytes( 61, 47 );
-    char* work = aligned_alloc( 64, bytes + 64 );
+    AUTO_FREE char* work = aligned_alloc( 64, bytes + 64 );
     assert_non_null( work );
     for ( int k = 0; k < 3; ++k )
     {
@@ -420,5 +416,4 @@ TEST( test_same_bits_for_any_threads_and_memory )
         for ( int i = 0; i < 64; ++i )
             assert_true( work[bytes + (size_t)i] == 0x7f );
     }
-    free( work );
 }

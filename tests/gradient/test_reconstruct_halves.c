@@ -5,11 +5,7 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define WIDTH 10
 #define HEIGHT 8
@@ -107,7 +103,7 @@ static void solve_crossfit( const RfGradientHalf halves[2], float* rgb )
 // t of the mean error of the whole image, and the largest |t| of a block; *squares is the mean squared error.
 static double judge( void ( *solve )( const RfGradientHalf halves[2], float* rgb ), int seeds, double* worst, double* squares )
 {
-    double* values = malloc( (size_t)( seeds * ( BLOCKS + 1 ) ) * sizeof *values );
+    AUTO_FREE double* values = malloc( (size_t)( seeds * ( BLOCKS + 1 ) ) * sizeof *values );
     float rgb[3 * PIXELS];
     assert_non_null( values );
     memset( values, 0, (size_t)( seeds * ( BLOCKS + 1 ) ) * sizeof *values );
@@ -134,7 +130,6 @@ static double judge( void ( *solve )( const RfGradientHalf halves[2], float* rgb
         double mean = mean_of( values + k * seeds, seeds, &standard_error );
         *worst = fmax( *worst, fabs( mean / standard_error ) );
     }
-    free( values );
     return whole;
 }
 

@@ -3,6 +3,7 @@
 #ifndef REFRAME_TESTS_HARD_H
 #define REFRAME_TESTS_HARD_H
 
+#include "support/owned.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 

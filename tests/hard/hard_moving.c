@@ -96,7 +96,7 @@ static HardInput primaries( void )
         tag_primary( &room.scene, room.scene.punctuals[i].intensity, &room.scene.punctuals[i].light_group );
     for ( uint32_t i = 0; i < room.scene.material_count; ++i )
         tag_primary( &room.scene, room.scene.materials[i].emission, &room.scene.materials[i].light_group );
-    RfTracer* tracer = make_tracer( &room.scene );
+    AUTO_TRACER tracer = make_tracer( &room.scene );
     RfRenderSettings settings = plain_settings();
     settings.light_paths = RF_LIGHT_PATHS_OFF;
     settings.light_groups = "all";
@@ -111,7 +111,6 @@ static HardInput primaries( void )
     int frame = room.eye_count / 2;
     RfResult result =
         rf_render( &( RfShot ){ tracer, room.eyes, room.eye_count, &frame, 1 }, &settings, &callbacks, NULL, &error );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &room.scene );
     if ( result != RF_OK )
         HARD_TELL( "%s", error.text );

@@ -67,12 +67,11 @@ static double mean_picture( const RfTracer* tracer, const HardScene* h, int grou
     s.spp = 7;
     s.max_depth = 4;
     s.threads = 1;
-    Rendered r = render_all( tracer, h->eyes, h->eye_count, &s );
+    AUTO_BY( free_rendered ) Rendered r = render_all( tracer, h->eyes, h->eye_count, &s );
     double sum = 0.0;
     for ( size_t i = 0; i < 3 * r.pixels * (size_t)r.count; ++i )
         sum += (double)r.rgb[i];
     sum /= (double)( 3 * r.pixels * (size_t)r.count );
-    free_rendered( &r );
     return sum;
 }
 
@@ -84,7 +83,7 @@ static HardInput rounding_modes( void )
     HardInput out = { 0 };
     HardScene h = { .eye_count = 7 };
     hard_stage( &h, make_phong( 0.3f, 0.5f, 200.0f ) );
-    RfTracer* tracer = make_tracer( &h.scene );
+    AUTO_TRACER tracer = make_tracer( &h.scene );
     double means[2][4], worst = 0.0;
     for ( int m = 0; m < 8; ++m )
     {
@@ -94,7 +93,6 @@ static HardInput rounding_modes( void )
         fesetround( FE_TONEAREST );
         worst = isfinite( mean[m / 2] ) ? fmax( worst, fabs( mean[m / 2] / mean[0] - 1.0 ) ) : INFINITY;
     }
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     out.holds = worst < 1e-5;
     HARD_TELL( "means of pictures under four rounding modes: within %.2g", worst );

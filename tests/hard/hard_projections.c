@@ -116,7 +116,7 @@ static HardInput unusable_eyes( void )
     HardInput out = { .holds = true };
     HardScene h = { .eye_count = 7 };
     hard_stage( &h, hard_grey() );
-    RfTracer* tracer = make_tracer( &h.scene );
+    AUTO_TRACER tracer = make_tracer( &h.scene );
     RfRenderSettings s = plain_settings();
     s.spp = s.threads = 1;
     s.group = 0;
@@ -157,7 +157,6 @@ static HardInput unusable_eyes( void )
         refused += rf_render( &( RfShot ){ tracer, made + k, 1, &( int ){ 0 }, 1 }, &s, NULL, NULL, &error ) == RF_ERROR_USAGE;
     }
     out.holds = refused == 6 + count;
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     HARD_TELL( "a focus of 0, eyes that are not finite or degenerate: %d of %d refused by a message", refused, 6 + count );
 }

@@ -136,11 +136,11 @@ static HardPictures render( const RfTracer* tracer, const HardScene* h, const Es
     {
         settings.seed = (uint64_t)p.count + 1;
         bool all = p.count == 0 && form->statistics; // frames once, then the tested one
+        AUTO_BY( free_rendered )
         Rendered r = all ? render_all( tracer, eyes, h->eye_count, &settings )
                          : render_frames( tracer, eyes, h->eye_count, &frame, 1, &settings );
         note_values( &r, negative, settings.group == 0 && e->estimator == NULL, out );
         keep_picture( &r, all ? frame : 0, &p );
-        free_rendered( &r );
     }
     rf_watch_weights( NULL );
     return p;
@@ -156,7 +156,7 @@ static HardPictures refer( const RfTracer* tracer, const HardCase* c, const Hard
     const RfEye* eye = eyes + h->eye_count / 2;
     int spp = ( lens ? form->reference / 2 : form->reference ) * samples_of( h, form );
     HardPictures p = { .width = eye->width, .height = eye->height };
-    float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
+    AUTO_FREE float* plain = malloc( 3 * (size_t)eye->width * (size_t)eye->height * sizeof *plain );
     if ( plain == NULL )
         abort();
     for ( ; p.count < form->seeds; ++p.count )
@@ -175,7 +175,6 @@ static HardPictures refer( const RfTracer* tracer, const HardCase* c, const Hard
         for ( int i = 0; i < 3 * eye->width * eye->height; ++i )
             rgb[i] = (double)plain[i];
     }
-    free( plain );
     return p;
 }
 
@@ -261,7 +260,7 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
 {
     HardScene h = { .eye_count = 7, .group = 3, .max_depth = 4 };
     c->make( &h );
-    RfTracer* tracer = make_tracer( &h.scene );
+    AUTO_TRACER tracer = make_tracer( &h.scene );
     bool all = true;
     Known known = { 0 };
     if ( form->statistics && is_referred( c ) )
@@ -277,7 +276,6 @@ static bool run_pictures( const HardCase* c, const HardForm* form )
         all = ( !is_for( s_estimators + i, &h, form ) || run_estimator( tracer, c, &h, s_estimators + i, form, &known ) ) && all;
     hard_free_pictures( &known.sharp );
     hard_free_pictures( &known.lens );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     rf_destroy_scene( &h.still );
     return all;

@@ -41,7 +41,7 @@ static HardInput acne_and_leaks( void )
             float scale = powf( 10.0f, (float)s );
             RfVec3 shift = rf_scale( rf_vec3( 300, -100, 200 ), moved ? scale : 0.0f );
             hard_move( &h, scale, shift );
-            RfTracer* tracer = make_tracer( &h.scene );
+            AUTO_TRACER tracer = make_tracer( &h.scene );
             for ( uint32_t i = 0; i < HARD_MANY / 40; ++i )
             {
                 RfVec3 d =
@@ -65,7 +65,6 @@ static HardInput acne_and_leaks( void )
                 acne += !reaches( tracer, start, shift ) || !reaches( tracer, shift, start );
                 leaks += reaches( tracer, start, rf_madd( shift, d, 4.0f * scale ) );
             }
-            rf_destroy_tracer( tracer );
             rf_destroy_scene( &h.scene );
         }
     }
@@ -160,7 +159,7 @@ static HardInput light_intervals( void )
                   rf_add( p, rf_vec3( 0, 0.03f, 0 ) ) );
     }
     h.scene = finish_scene( &b );
-    RfTracer* tracer = make_tracer( &h.scene );
+    AUTO_TRACER tracer = make_tracer( &h.scene );
     const RfLights* lights = rf_tracer_lights( tracer );
     RfVec3 x = rf_vec3( 0.3f, 0.01f, 0.2f ), n = rf_vec3( 0, 1, 0 );
     double worst = 0.0;
@@ -188,7 +187,6 @@ static HardInput light_intervals( void )
     }
     for ( uint32_t k = 0; k < lights->count; ++k )
         due += rf_light_probability( lights, RF_LIGHTS_BY_TREE, k, x, n ) > 1e-13f;
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &h.scene );
     out.holds = worst < 1e-5 && found >= due && found < 1000;
     HARD_TELL( "%d lights of powers 1e12 apart: intervals as long as probabilities, within %.2g", found, worst );

@@ -2,8 +2,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 #define EYES 5
 #define WIDTH 12
 #define HEIGHT 9
@@ -22,9 +20,8 @@ static double check_room( const char* what, const RfEye* eyes, int count )
     double sum = 0.0;
     for ( int kind = ROOM_DIFFUSE; kind <= ROOM_GGX; ++kind )
     {
-        RfScene scene = make_room( (RoomKind)kind );
+        AUTO_SCENE scene = make_room( (RoomKind)kind );
         sum += check_sane( what, &scene, eyes, count ) / 3.0;
-        rf_destroy_scene( &scene );
     }
     return sum;
 }
@@ -38,11 +35,10 @@ TEST( test_camera_inside_a_closed_box )
     // inside an emitter that is bright on both sides
     SceneBuilder b = { 0 };
     add_box( &b, add_material( &b, make_light( 2.0f, true ) ), rf_vec3( -1, -1, -1 ), rf_vec3( 1, 1, 1 ), false );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     row_of_eyes( eyes, rf_vec3( 0, 0, 0 ), rf_vec3( 0.02f, 0, 0 ), rf_vec3( 0, 0, -1 ), 0.9 );
     double mean = check_sane( "in an emitter", &scene, eyes, EYES );
     assert_true( fabs( mean - 2.0 * 2.9 / 3.0 ) < 1e-4 );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_eyes_on_surfaces )
@@ -75,7 +71,7 @@ TEST( test_eyes_in_a_surfaces_plane )
         add_quad( &b, add_material( &b, materials[m] ), rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ),
                   rf_vec3( -1, 0, -1 ) );
         add_quad( &b, light, rf_vec3( -1, 1, -1 ), rf_vec3( 1, 1, -1 ), rf_vec3( 1, 2, -1 ), rf_vec3( -1, 2, -1 ) );
-        RfScene scene = finish_scene( &b );
+        AUTO_SCENE scene = finish_scene( &b );
         RfEye eyes[EYES];
         row_of_eyes( eyes, rf_vec3( 0, 0.02f, 2 ), rf_vec3( 0, -0.01f, 0 ), rf_vec3( 0, 0, -1 ), 0.6 ); // eye 2 at y = 0
         check_sane( "in the plane", &scene, eyes, EYES );
@@ -85,7 +81,6 @@ TEST( test_eyes_in_a_surfaces_plane )
         row_of_eyes( eyes, rf_vec3( 0.1f, 1e-20f, 0.3f ), rf_vec3( 0, 0.1f, 0 ), rf_vec3( 0, -1, -1e-3f ),
                      0.9 ); // as good as on it
         check_sane( "on the plane", &scene, eyes, EYES );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -126,12 +121,10 @@ TEST( test_nothing_to_see_is_black )
     assert_true( check_sane( "no triangles", &empty, eyes, EYES ) == 0.0 );
     SceneBuilder b = { 0 };
     add_box( &b, add_material( &b, make_plastic( 0.5f, 0.3f ) ), rf_vec3( -2, 0, -2 ), rf_vec3( 2, 3, 2 ), true );
-    RfScene dark = finish_scene( &b );
+    AUTO_SCENE dark = finish_scene( &b );
     assert_true( check_sane( "no lights", &dark, eyes, EYES ) == 0.0 );
-    rf_destroy_scene( &dark );
     SceneBuilder away = { 0 };
     add_box( &away, add_material( &away, make_light( 1.0f, true ) ), rf_vec3( -2, 0, 20 ), rf_vec3( 2, 3, 22 ), true );
-    RfScene behind = finish_scene( &away );
+    AUTO_SCENE behind = finish_scene( &away );
     assert_true( check_sane( "all behind", &behind, eyes, EYES ) == 0.0 );
-    rf_destroy_scene( &behind );
 }

@@ -4,10 +4,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define EYES 5
 #define WIDTH 24
 #define HEIGHT 18
@@ -20,14 +16,13 @@ static void seed_means( RfScene scene, int group, float scale, RfVec3 shift, dou
     move_scene( &scene, scale, shift );
     for ( int i = 0; i < EYES; ++i )
         eyes[i].origin = rf_madd( shift, eyes[i].origin, scale );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
         RfRenderSettings settings = small_settings( group, 10 );
         settings.seed = (uint64_t)k + 1;
         means[k] = check_sane_settings( "scaled", tracer, eyes, EYES, &settings );
     }
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
 
@@ -111,11 +106,10 @@ TEST( test_a_far_thing_changes_nothing )
                           rf_vec3( 3000, 0.1f, 0 ) );
             free( b.scene.path );
             scene = finish_scene( &b );
-            RfTracer* tracer = make_tracer( &scene );
+            AUTO_TRACER tracer = make_tracer( &scene );
             rendered[far] = render_all( tracer, eyes, EYES, &settings );
             for ( size_t i = 0; i < 3 * rendered[far].pixels * EYES; ++i )
                 mean[far] += (double)rendered[far].rgb[i];
-            rf_destroy_tracer( tracer );
             rf_destroy_scene( &scene );
         }
         for ( size_t i = 0; i < 3 * rendered[0].pixels * EYES; ++i )
@@ -139,11 +133,10 @@ static void check_thing( const char* what, AddThing* add )
     uint32_t grey = add_material( &b, make_plastic( 0.5f, 0.3f ) ), light = add_material( &b, make_light( 4.0f, true ) );
     add_quad( &b, grey, rf_vec3( -2, 0, 2 ), rf_vec3( 2, 0, 2 ), rf_vec3( 2, 0, -2 ), rf_vec3( -2, 0, -2 ) );
     add( &b, grey, light );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     check_sane( what, &scene, eyes, EYES );
-    rf_destroy_scene( &scene );
 }
 
 static void add_duplicates( SceneBuilder* b, uint32_t grey, uint32_t light )
@@ -190,14 +183,13 @@ static void set_material( RfScene* scene, uint32_t index, RfMaterial material )
 
 static void check_material( const char* what, RfMaterial material, float radiance )
 {
-    RfScene scene = make_room( ROOM_GGX );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, 12, 9 );
     set_material( &scene, ROOM_OBJECT_MATERIAL, material );
     set_material( &scene, 0, material ); // the walls too
     scene.materials[2].emission = rf_vec3( radiance, radiance, radiance );
     check_sane( what, &scene, eyes, EYES );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_extreme_materials )

@@ -3,7 +3,6 @@
 #include "support/test.h"
 
 #include <limits.h>
-#include <string.h>
 
 #define EYES 5
 #define WIDTH 24
@@ -105,8 +104,8 @@ static void refuse( const Setup* s, const RfRenderSettings* settings )
 // Rounded to what groups need, but not beyond the most: what is resolved can be resolved again.
 TEST( test_most_samples_resolve_to_themselves )
 {
-    RfScene scene = make_room( ROOM_DIFFUSE );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_room( ROOM_DIFFUSE );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[20];
     orbit_eyes( eyes, 20, 1.0f, 4, 3 );
     RfRenderSettings settings = small_settings( 3, RF_MAX_SPP ), once, twice;
@@ -115,8 +114,6 @@ TEST( test_most_samples_resolve_to_themselves )
     assert_int_equal( once.spp, RF_MAX_SPP / 7 * 7 );
     assert_int_equal( rf_resolve_settings( &( RfShot ){ tracer, eyes, 20, NULL, 0 }, &once, &twice, &error ), RF_OK );
     assert_int_equal( twice.spp, once.spp );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_settings_out_of_range )
@@ -178,9 +175,8 @@ TEST( test_too_little_memory )
     RfError error;
     begin( &s, ROOM_GGX );
     RfRenderSettings settings = small_settings( 2, 3 );
-    Rendered whole = render_all( s.tracer, s.eyes, EYES, &settings );
+    AUTO_BY( free_rendered ) Rendered whole = render_all( s.tracer, s.eyes, EYES, &settings );
     size_t needed = whole.stats.peak_bytes;
-    free_rendered( &whole );
     int failures = 0;
     for ( size_t memory = 1; memory <= needed; memory = memory * 3 / 2 + 1 )
     {

@@ -3,8 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 #define WIDTH 5
 #define HEIGHT 3
 #define PIXELS ( WIDTH * HEIGHT )
@@ -95,7 +93,7 @@ static void check_near( const float* values, const float* wanted, int stride )
 TEST( test_what_is_read_is_rec709 )
 {
     static const char* const s_layer_names[5] = { "light_key", "variance", "normal", "crypto_object00", NULL };
-    const char* path = temp_path( "a.exr" );
+    const char* path = cli_path( "a.exr" );
     RfExrWindow window;
     RfImage image;
     write_layers( path, RF_ACESCG );
@@ -156,7 +154,7 @@ static void set_white( const char* from, const char* to, const float white[2] )
 
 TEST( test_chromaticities_that_are_none )
 {
-    const char *path = temp_path( "b.exr" ), *bad = temp_path( "bad.exr" );
+    const char *path = cli_path( "b.exr" ), *bad = cli_path( "bad.exr" );
     static const char* const s_colours[] = { "R", "G", "B" };
     RfError error;
     RfExrWindow window;
@@ -176,4 +174,4 @@ TEST( test_chromaticities_that_are_none )
     rf_destroy_image( &image );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -6,10 +6,6 @@
 #include "image/decode.h"
 #include "image/exr.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #define WIDTH 21
@@ -57,15 +53,13 @@ TEST( test_png_comes_out_as_it_went_in )
     for ( int channels = 1; channels <= 4; ++channels )
     {
         size_t size;
-        uint8_t* bytes = encode_png( WIDTH, HEIGHT, channels, pixels, &size );
-        RfPixels out = decode( bytes, size );
+        AUTO_FREE uint8_t* bytes = encode_png( WIDTH, HEIGHT, channels, pixels, &size );
+        AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
         assert_int_equal( out.width, WIDTH );
         assert_int_equal( out.height, HEIGHT );
         assert_int_equal( out.channels, channels );
         assert_int_equal( out.type, RF_PIXELS_U8 );
         assert_memory_equal( out.data, pixels, (size_t)( WIDTH * HEIGHT * channels ) );
-        rf_destroy_pixels( &out );
-        free( bytes );
     }
 }
 
@@ -77,13 +71,11 @@ TEST( test_png16_ignores_gamma )
     for ( int channels = 1; channels <= 3; channels += 2 )
     {
         size_t size;
-        uint8_t* bytes = encode_png16( WIDTH, HEIGHT, channels, pixels, &size );
-        RfPixels out = decode( bytes, size );
+        AUTO_FREE uint8_t* bytes = encode_png16( WIDTH, HEIGHT, channels, pixels, &size );
+        AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
         assert_int_equal( out.channels, channels );
         assert_int_equal( out.type, RF_PIXELS_U16 );
         assert_memory_equal( out.data, pixels, (size_t)( WIDTH * HEIGHT * channels * 2 ) );
-        rf_destroy_pixels( &out );
-        free( bytes );
     }
 }
 
@@ -95,21 +87,18 @@ TEST( test_jpeg_comes_out_nearly )
         for ( int i = 0; i < WIDTH * HEIGHT * channels; ++i )
             pixels[i] = (uint8_t)( 40 * ( i % channels ) + 5 * ( i / channels % WIDTH ) + 3 * ( i / channels / WIDTH ) );
         size_t size;
-        uint8_t* bytes = encode_jpeg( WIDTH, HEIGHT, channels, pixels, &size );
-        RfPixels out = decode( bytes, size );
+        AUTO_FREE uint8_t* bytes = encode_jpeg( WIDTH, HEIGHT, channels, pixels, &size );
+        AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
         assert_int_equal( out.width, WIDTH );
         assert_int_equal( out.height, HEIGHT );
         assert_int_equal( out.channels, channels );
         assert_int_equal( out.type, RF_PIXELS_U8 );
         for ( int i = 0; i < WIDTH * HEIGHT * channels; ++i )
             assert_true( abs( ( (uint8_t*)out.data )[i] - pixels[i] ) <= 4 );
-        rf_destroy_pixels( &out );
-        free( bytes );
     }
     size_t size;
-    uint8_t* bytes = encode_jpeg( WIDTH, HEIGHT, 4, pixels, &size );
+    AUTO_FREE uint8_t* bytes = encode_jpeg( WIDTH, HEIGHT, 4, pixels, &size );
     expect( bytes, size, RF_ERROR_UNSUPPORTED, "CMYK" );
-    free( bytes );
 }
 
 TEST( test_exr_comes_out_as_it_went_in )
@@ -118,14 +107,12 @@ TEST( test_exr_comes_out_as_it_went_in )
     for ( int i = 0; i < WIDTH * HEIGHT * 3; ++i )
         pixels[i] = (float)i * 1.37f - 100.0f;
     size_t size;
-    uint8_t* bytes = encode_exr( WIDTH, HEIGHT, pixels, &size );
-    RfPixels out = decode( bytes, size );
+    AUTO_FREE uint8_t* bytes = encode_exr( WIDTH, HEIGHT, pixels, &size );
+    AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
     assert_int_equal( out.width, WIDTH );
     assert_int_equal( out.channels, 3 );
     assert_int_equal( out.type, RF_PIXELS_FLOAT );
     assert_memory_equal( out.data, pixels, sizeof pixels );
-    rf_destroy_pixels( &out );
-    free( bytes );
 }
 
 TEST( test_hdr_comes_out_as_it_went_in )
@@ -139,8 +126,8 @@ TEST( test_hdr_comes_out_as_it_went_in )
             pixels[4 * i + 3] = (uint8_t)( 120 + i % 20 );
         pixels[0] |= 128; // as real ones have: else it looks like a run
         size_t size;
-        uint8_t* bytes = encode_hdr( widths[k], 4, pixels, &size );
-        RfPixels out = decode( bytes, size );
+        AUTO_FREE uint8_t* bytes = encode_hdr( widths[k], 4, pixels, &size );
+        AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
         assert_int_equal( out.width, widths[k] );
         assert_int_equal( out.height, 4 );
         assert_int_equal( out.channels, 3 );
@@ -150,8 +137,6 @@ TEST( test_hdr_comes_out_as_it_went_in )
             float want = ldexpf( (float)pixels[4 * ( i / 3 ) + i % 3], pixels[4 * ( i / 3 ) + 3] - 136 );
             assert_true( fabsf( ( (float*)out.data )[i] - want ) <= 1e-6f * want );
         }
-        rf_destroy_pixels( &out );
-        free( bytes );
     }
 }
 
@@ -169,12 +154,11 @@ TEST( test_webp )
         for ( int k = 3; k < WIDTH * HEIGHT * 4 && channels == 4; k += 4 )
             pixels[k] |= 128; // colours of clear pixels are not kept
         size_t size;
-        uint8_t* bytes = encode_webp( WIDTH, HEIGHT, channels, lossy, pixels, &size );
-        RfPixels out = decode( bytes, size );
+        AUTO_FREE uint8_t* bytes = encode_webp( WIDTH, HEIGHT, channels, lossy, pixels, &size );
+        AUTO_BY( rf_destroy_pixels ) RfPixels out = decode( bytes, size );
         assert_true( out.width == WIDTH && out.height == HEIGHT && out.channels == channels && out.type == RF_PIXELS_U8 );
         for ( int k = 0; k < WIDTH * HEIGHT * channels; ++k )
             assert_true( abs( ( (uint8_t*)out.data )[k] - pixels[k] ) <= ( lossy ? 6 : 0 ) );
-        rf_destroy_pixels( &out );
         expect( bytes, size - 9, RF_ERROR_FORMAT, "cut off" );
         expect( bytes, 14, RF_ERROR_FORMAT, "cut off" );
         if ( i == 0 )
@@ -182,7 +166,6 @@ TEST( test_webp )
             bytes[20] ^= 0xff; // the signature of what is lossless
             expect( bytes, size, RF_ERROR_FORMAT, "damaged WebP" );
         }
-        free( bytes );
     }
     static const uint8_t s_moving[30] = "RIFF\x16\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x0f\0\0\x0f\0\0";
     expect( s_moving, 30, RF_ERROR_UNSUPPORTED, "animated WebP is not supported" );
@@ -223,18 +206,17 @@ TEST( test_damage_never_crashes )
         for ( size_t length = 0; length < sizes[f]; ++length )
         {
             // a copy of just this size: what reads past it is seen by the sanitizers
-            uint8_t* copy = malloc( length + 1 );
+            AUTO_FREE uint8_t* copy = malloc( length + 1 );
             memcpy( copy, files[f], length );
             RfResult result = rf_decode_image( copy, length, "picture", &out, &error );
             if ( result == RF_OK )
                 fail_msg( "file %d of %zu bytes was read with %zu of them", f, sizes[f], length );
             assert_null( out.data );
-            free( copy );
         }
         uint32_t seed = 99;
         for ( int n = 0; n < 2000; ++n )
         {
-            uint8_t* copy = malloc( sizes[f] );
+            AUTO_FREE uint8_t* copy = malloc( sizes[f] );
             memcpy( copy, files[f], sizes[f] );
             for ( int k = 0; k < 1 + n % 3; ++k )
             {
@@ -245,7 +227,6 @@ TEST( test_damage_never_crashes )
                 rf_destroy_pixels( &out );
             else
                 assert_true( error.text[0] != 0 && out.data == NULL );
-            free( copy );
         }
         free( files[f] );
     }
@@ -270,14 +251,13 @@ TEST( test_wrong_images_are_refused )
     hdr = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234";
     expect( (const uint8_t*)hdr, strlen( hdr ), RF_ERROR_FORMAT, "damaged HDR" );
     uint8_t grey[3] = { 1, 2, 3 };
-    uint8_t* jpeg = encode_jpeg( 1, 1, 3, grey, &size );
+    AUTO_FREE uint8_t* jpeg = encode_jpeg( 1, 1, 3, grey, &size );
     for ( size_t i = 0; i + 8 < size; ++i )
     {
         if ( jpeg[i] == 0xff && jpeg[i + 1] == 0xc0 )
             memset( jpeg + i + 5, 0xfe, 4 );
     }
     expect( jpeg, size, RF_ERROR_UNSUPPORTED, "65278x65278" );
-    free( jpeg );
 }
 
 static const char* save( const uint8_t* bytes, size_t size )

@@ -6,7 +6,6 @@
 #include "support/openexr_file.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <sys/wait.h>
 
 #define WIDTH 75
@@ -123,7 +122,7 @@ static void check_file( const char* path, double level, bool half )
     {
         RfExrWindow window;
         RfError error;
-        float* ours = NULL;
+        AUTO_FREE float* ours = NULL;
         assert_int_equal( rf_read_exr_channels( path, &s_channels[c].name, 1, &window, &ours, &error ), RF_OK );
         assert_true( window.x == -3 && window.y == 9 && window.width == WIDTH && window.height == HEIGHT );
 #ifdef REFRAME_DWA
@@ -136,7 +135,6 @@ static void check_file( const char* path, double level, bool half )
             check_colour( library, c, level, half );
         else
             assert_memory_equal( library, s_values[c], sizeof library );
-        free( ours );
     }
 }
 
@@ -145,19 +143,18 @@ static bool run_tool( const char* tool, const char* arguments, const char* wante
 {
     char line[1024];
     snprintf( line, sizeof line, "command -v %s >/dev/null || exit 77; %s %s >%s 2>&1", tool, tool, arguments,
-              temp_path( "tool.txt" ) );
+              cli_path( "tool.txt" ) );
     int status = system( line );
     size_t size;
     if ( WIFEXITED( status ) && WEXITSTATUS( status ) == 77 )
         return true;
-    char* text = load_file( temp_path( "tool.txt" ), &size );
+    AUTO_FREE char* text = cli_read( "tool.txt", &size );
     text[size] = '\0';
     bool works = strstr( text, "ERROR" ) == NULL && ( wanted == NULL || strstr( text, wanted ) != NULL );
     // exrinfo 3.1.5 leaves with any status
     works = works && ( strcmp( tool, "exrinfo" ) == 0 ? WIFEXITED( status ) : status == 0 );
     if ( !works )
         print_error( "%s\n%s\n", line, text );
-    free( text );
     return works;
 }
 
@@ -169,7 +166,7 @@ static void check_tools( const char* path, RfExrCompression compression, bool pa
     assert_true( run_tool( "exrheader", path, parts ? "CryptoObject00.G, 32-bit" : "samples.Y, 32-bit" ) );
     snprintf( arguments, sizeof arguments, "-s -v %s", path );
     assert_true( run_tool( "exrinfo", arguments, rf_compression_words[compression] ) );
-    snprintf( arguments, sizeof arguments, "-separate -i %s -o %s -override 1", path, temp_path( "piece" ) );
+    snprintf( arguments, sizeof arguments, "-separate -i %s -o %s -override 1", path, cli_path( "piece" ) );
     if ( parts )
         assert_true( run_tool( "exrmultipart", arguments, NULL ) );
 }
@@ -185,7 +182,7 @@ TEST( test_each_is_read_by_openexr )
         RfError error = { 0 };
         if ( is_dwa( compression ) && !rf_has_dwa() )
             continue;
-        RfResult result = write_all( temp_path( "all.exr" ), compression, (float)level, parts, half, &error );
+        RfResult result = write_all( cli_path( "all.exr" ), compression, (float)level, parts, half, &error );
         if ( is_dwa( compression ) && !parts && !half ) // R of the colour and of the hash
         {
             assert_int_equal( result, RF_ERROR_USAGE );
@@ -195,8 +192,8 @@ TEST( test_each_is_read_by_openexr )
         }
         if ( result != RF_OK )
             fail_msg( "%s", error.text );
-        check_file( temp_path( "all.exr" ), is_dwa( compression ) ? level : -1.0, half );
-        check_tools( temp_path( "all.exr" ), compression, parts );
+        check_file( cli_path( "all.exr" ), is_dwa( compression ) ? level : -1.0, half );
+        check_tools( cli_path( "all.exr" ), compression, parts );
     }
 }
 
@@ -209,19 +206,18 @@ TEST( test_foreign_dwa_is_read )
     static float library[PIXELS];
     for ( int way = 0; way < 4; ++way )
     {
-        const char* path = temp_path( "foreign.exr" );
+        const char* path = cli_path( "foreign.exr" );
         assert_true( write_by_openexr( path, WIDTH, HEIGHT, s_rgb, way % 2 == 1, way / 2 == 1 ) );
         for ( int c = 0; c < 4; ++c )
         {
             RfExrWindow window;
             RfError error;
-            float* ours = NULL;
+            AUTO_FREE float* ours = NULL;
             assert_int_equal( rf_read_exr_channels( path, names + c, 1, &window, &ours, &error ), RF_OK );
             assert_true( read_by_openexr( path, names[c], WIDTH, HEIGHT, library ) );
             assert_memory_equal( library, ours, sizeof library );
             for ( int i = 0; i < PIXELS && c == 0; ++i )
                 assert_true( ours[i] == s_rgb[3 * i] ); // Z is kept
-            free( ours );
         }
     }
 }
@@ -243,19 +239,19 @@ TEST( test_extreme_colours_and_dwa )
             assert_true( fabsf( back.rgb[i] ) <= 65504.0f );
         rf_destroy_image( &back );
     }
-    int before = count_files();
+    int before = cli_count_files( "", "." );
     for ( int way = 0; way < 2; ++way )
     {
         image.rgb[4000] = way == 0 ? NAN : -INFINITY;
-        assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+        assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
         assert_non_null( strstr( error.text, "NaN or infinite values, which DWA would turn to 0" ) );
     }
     image.rgb[4000] = 0.0f;
     options.dwa_level = RF_EXR_MAX_DWA_LEVEL + 1.0f;
-    assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
     options.dwa_level = NAN;
-    assert_int_equal( rf_write_exr( temp_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
-    assert_int_equal( count_files(), before );
+    assert_int_equal( rf_write_exr( cli_path( "nan.exr" ), &image, &options, &error ), RF_ERROR_USAGE );
+    assert_int_equal( cli_count_files( "", "." ), before );
     rf_destroy_image( &image );
 }
 
@@ -269,15 +265,14 @@ TEST( test_broken_dwa_is_one_line )
     {
         size_t size;
         if ( round % 100 == 0 )
-            assert_int_equal( write_all( temp_path( "whole.exr" ), RF_EXR_DWAA, 45.0f, round == 0, true, &error ), RF_OK );
-        char* bytes = load_file( temp_path( "whole.exr" ), &size );
+            assert_int_equal( write_all( cli_path( "whole.exr" ), RF_EXR_DWAA, 45.0f, round == 0, true, &error ), RF_OK );
+        AUTO_FREE char* bytes = cli_read( "whole.exr", &size );
         for ( int k = 0; k < 1 + round % 7; ++k )
             bytes[next_random( &seed ) % size] = (char)next_random( &seed );
-        save_file( temp_path( "broken.exr" ), bytes, round % 3 == 0 ? next_random( &seed ) % size : size );
-        free( bytes );
+        cli_write( "broken.exr", bytes, round % 3 == 0 ? next_random( &seed ) % size : size );
         RfImage image;
         error.text[0] = '\0';
-        if ( rf_read_exr( temp_path( "broken.exr" ), &image, &error ) == RF_OK )
+        if ( rf_read_exr( cli_path( "broken.exr" ), &image, &error ) == RF_OK )
             rf_destroy_image( &image );
         else
             assert_non_null( strstr( error.text, "broken.exr" ) );
@@ -286,4 +281,4 @@ TEST( test_broken_dwa_is_one_line )
 }
 #endif
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -3,7 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <openexr.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -41,7 +40,7 @@ static void check_values( const char* path, const RfImage* image, bool dwa, bool
     static const char* const names[] = { "depth.Z", "normal.Y", "A", "depth.A", "R" };
     RfExrWindow window;
     RfError error;
-    float* values;
+    AUTO_FREE float* values;
     assert_int_equal( rf_read_exr_channels( path, names, 5, &window, &values, &error ), RF_OK );
     assert_int_equal( window.width, WIDTH );
     assert_int_equal( window.height, HEIGHT );
@@ -54,24 +53,21 @@ static void check_values( const char* path, const RfImage* image, bool dwa, bool
                              : 0.0f;
         assert_true( fabsf( values[5 * i + 4] - image->rgb[3 * i] ) <= bound );
     }
-    free( values );
 }
 
 TEST( test_parts_hold_what_one_part_does )
 {
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
-    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    AUTO_IMAGE image = make_image( WIDTH, HEIGHT, 4 );
     for ( int way = 0; rf_compression_words[way / 4] != NULL; ++way )
     {
         RfExrChannel channels[4];
         RfExrOptions options = make_options( channels, way % 2 == 1 ? parts : NULL );
         options.compression = (RfExrCompression)( way / 4 );
         options.half = way / 2 % 2 == 0;
-        RfImage back = write_and_read( "parts.exr", &image, &options );
-        rf_destroy_image( &back );
-        check_values( temp_path( "parts.exr" ), &image, options.compression >= RF_EXR_DWAA, options.half );
+        AUTO_IMAGE back = write_and_read( "parts.exr", &image, &options );
+        check_values( cli_path( "parts.exr" ), &image, options.compression >= RF_EXR_DWAA, options.half );
     }
-    rf_destroy_image( &image );
 }
 
 // Where the first chunk begins: what the first offset of the table of chunks names, which is the end of the table.
@@ -91,15 +87,15 @@ static size_t find_pixels( const char* bytes, size_t size )
 static RfResult verify( const char* bytes, size_t size, bool* same )
 {
     RfError error;
-    save_file( temp_path( "damaged.exr" ), bytes, size );
-    return rf_verify_exr( temp_path( "damaged.exr" ), same, &error );
+    cli_write( "damaged.exr", bytes, size );
+    return rf_verify_exr( cli_path( "damaged.exr" ), same, &error );
 }
 
 // Any bit of the pixels, of any part, and any cut; a file without a checksum is judged by decoding.
 TEST( test_damage_is_found )
 {
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
-    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    AUTO_IMAGE image = make_image( WIDTH, HEIGHT, 4 );
     char sums[2][64] = { "" };
     int alike = 0;
     uint32_t seed = 99;
@@ -111,8 +107,8 @@ TEST( test_damage_is_found )
         options.compression = (RfExrCompression)( way / 2 );
         size_t size;
         bool same;
-        assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
-        char* bytes = load_file( temp_path( "whole.exr" ), &size );
+        assert_int_equal( rf_write_exr( cli_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+        AUTO_FREE char* bytes = cli_read( "whole.exr", &size );
         size_t begin = find_pixels( bytes, size );
         assert_true( verify( bytes, size, &same ) == RF_OK && same );
         for ( int i = 0; i < 30; ++i )
@@ -122,7 +118,7 @@ TEST( test_damage_is_found )
             if ( verify( bytes, size, &same ) == RF_OK && same ) // zlib has several streams for the same samples
             {
                 assert_true( options.compression < RF_EXR_DWAA );
-                check_values( temp_path( "damaged.exr" ), &image, false, true );
+                check_values( cli_path( "damaged.exr" ), &image, false, true );
                 ++alike;
             }
             bytes[at] ^= (char)( 1 << i % 8 );
@@ -131,27 +127,25 @@ TEST( test_damage_is_found )
         }
         // lossless compressions have one checksum, of the samples
         char sum[64];
-        assert_int_equal( rf_read_exr_string( temp_path( "whole.exr" ), "reframe/checksum", sum, sizeof sum, &error ), RF_OK );
+        assert_int_equal( rf_read_exr_string( cli_path( "whole.exr" ), "reframe/checksum", sum, sizeof sum, &error ), RF_OK );
         if ( options.compression < RF_EXR_DWAA && sums[way % 2][0] != '\0' )
             assert_string_equal( sum, sums[way % 2] );
         if ( options.compression < RF_EXR_DWAA )
             strcpy( sums[way % 2], sum );
-        free( bytes );
     }
     assert_true( alike < 5 );
-    rf_destroy_image( &image );
 }
 
 TEST( test_without_checksum_decoding_decides )
 {
-    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    AUTO_IMAGE image = make_image( WIDTH, HEIGHT, 4 );
     RfExrOptions options = rf_default_exr_options();
     RfError error;
     options.compression = RF_EXR_NONE;
-    assert_int_equal( rf_write_exr( temp_path( "whole.exr" ), &image, &options, &error ), RF_OK );
+    assert_int_equal( rf_write_exr( cli_path( "whole.exr" ), &image, &options, &error ), RF_OK );
     size_t size, at = 0;
     bool same;
-    char* bytes = load_file( temp_path( "whole.exr" ), &size );
+    AUTO_FREE char* bytes = cli_read( "whole.exr", &size );
     while ( memcmp( bytes + at, "reframe/checksum", 16 ) != 0 )
         ++at;
     bytes[at] = 'R'; // an attribute that means nothing
@@ -160,8 +154,6 @@ TEST( test_without_checksum_decoding_decides )
     assert_int_not_equal( verify( bytes, size - 1, &same ), RF_OK );
     bytes[at] = 'r';
     assert_true( verify( bytes, size, &same ) == RF_OK && !same );
-    free( bytes );
-    rf_destroy_image( &image );
 }
 
 // The names, the order and the shared attributes that the specification asks of parts.
@@ -170,7 +162,7 @@ TEST( test_parts_are_named_and_share_attributes )
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
     static const char* const names[3] = { "rgba", "normal", "depth" };
     static const int counts[3] = { 4, 1, 2 };
-    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    AUTO_IMAGE image = make_image( WIDTH, HEIGHT, 4 );
     RfExrChannel channels[4];
     RfExrOptions options = make_options( channels, parts );
     const RfExrAttribute attributes[] = {
@@ -187,11 +179,11 @@ TEST( test_parts_are_named_and_share_attributes )
     options.display = ( RfExrWindow ){ 0, 8, WIDTH - 10, HEIGHT - 10 };
     options.pixel_aspect = 2.0f;
     RfError error;
-    if ( rf_write_exr( temp_path( "shared.exr" ), &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( "shared.exr" ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     exr_context_t context = NULL;
     int count = 0;
-    assert_int_equal( exr_start_read( &context, temp_path( "shared.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &context, cli_path( "shared.exr" ), NULL ), EXR_ERR_SUCCESS );
     assert_int_equal( exr_get_count( context, &count ), EXR_ERR_SUCCESS );
     assert_int_equal( count, 3 );
     for ( int p = 0; p < count; ++p )
@@ -224,14 +216,12 @@ TEST( test_parts_are_named_and_share_attributes )
         assert_true( !first || ( number == 2.5f && matrix.m[0] == 1.0f && matrix.m[13] == -3.0f ) );
     }
     exr_finish( &context );
-    RfExrHeader header;
-    assert_int_equal( rf_read_exr_header( temp_path( "shared.exr" ), NULL, &header, &error ), RF_OK );
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
+    assert_int_equal( rf_read_exr_header( cli_path( "shared.exr" ), NULL, &header, &error ), RF_OK );
     assert_true( header.x == -5 && header.y == 3 && header.width == WIDTH && header.height == HEIGHT );
     assert_true( header.display_x == 0 && header.display_y == 8 && header.display_width == WIDTH - 10 );
     assert_non_null( rf_find_exr_name( &header, "depth.Z", 7 ) );
     assert_string_equal( header.channels[header.channel_count - 1].text, "depth.Z" ); // not depth.depth.Z
-    rf_destroy_exr_header( &header );
-    rf_destroy_image( &image );
 }
 
 TEST( test_many_channels_and_long_names )
@@ -245,17 +235,16 @@ TEST( test_many_channels_and_long_names )
         channels[c] = ( RfExrChannel ){ .name = names[c], .values = s_values + c, .stride = 1, .half = c % 2 == 0 };
         channels[c].part = c % 4 == 3 ? names[c] : NULL;
     }
-    RfImage image = make_image( 4, 3, 4 );
+    AUTO_IMAGE image = make_image( 4, 3, 4 );
     RfExrOptions options = rf_default_exr_options();
     options.channels = channels;
     options.channel_count = RF_EXR_MAX_CHANNELS - 3;
     RfError error;
-    const char* path = temp_path( "many.exr" );
+    const char* path = cli_path( "many.exr" );
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     assert_int_equal( rf_read_exr_header( path, NULL, &header, &error ), RF_OK );
     assert_int_equal( header.channel_count, RF_EXR_MAX_CHANNELS );
-    rf_destroy_exr_header( &header );
     ++options.channel_count;
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "254 channels cannot be written: at most 253" ) );
@@ -266,18 +255,17 @@ TEST( test_many_channels_and_long_names )
     options.channel_count = 1;
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_ERROR_USAGE );
     assert_non_null( strstr( error.text, "at most 255 bytes" ) );
-    rf_destroy_image( &image );
 }
 
 // Wherever a file breaks off, a part before it may be whole: no file is left all the same.
 TEST( test_full_disk_leaves_no_part )
 {
     static const char* const parts[4] = { "normal", "depth", NULL, "depth" };
-    RfImage image = make_image( WIDTH, HEIGHT, 4 );
+    AUTO_IMAGE image = make_image( WIDTH, HEIGHT, 4 );
     RfExrChannel channels[4];
     RfExrOptions options = make_options( channels, parts );
     RfError error;
-    int before = count_files();
+    int before = cli_count_files( "", "." );
     struct rlimit value;
     signal( SIGXFSZ, SIG_IGN );
     assert_int_equal( getrlimit( RLIMIT_FSIZE, &value ), 0 );
@@ -287,14 +275,13 @@ TEST( test_full_disk_leaves_no_part )
         options.compression = (RfExrCompression)( way / 5 );
         value.rlim_cur = limits[way % 5];
         assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
-        RfResult result = rf_write_exr( temp_path( "full.exr" ), &image, &options, &error );
+        RfResult result = rf_write_exr( cli_path( "full.exr" ), &image, &options, &error );
         value.rlim_cur = RLIM_INFINITY;
         assert_int_equal( setrlimit( RLIMIT_FSIZE, &value ), 0 );
         assert_int_equal( result, RF_ERROR_IO );
         assert_non_null( strstr( error.text, "File too large" ) );
-        assert_int_equal( count_files(), before );
+        assert_int_equal( cli_count_files( "", "." ), before );
     }
-    rf_destroy_image( &image );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

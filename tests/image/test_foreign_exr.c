@@ -3,7 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <openexr.h>
 #include <time.h>
 
@@ -117,7 +116,7 @@ static void write_part( exr_context_t context, const Layout* layout, int part )
 
 static const char* write_layout( const Layout* layout )
 {
-    const char* path = temp_path( "layout.exr" );
+    const char* path = cli_path( "layout.exr" );
     exr_context_t context = NULL;
     assert_int_equal( exr_start_write( &context, path, EXR_WRITE_FILE_DIRECTLY, NULL ), EXR_ERR_SUCCESS );
     for ( int part = 0; part < layout->parts; ++part )
@@ -132,7 +131,7 @@ static const char* write_layout( const Layout* layout )
 // Reads a layout; channels of the file that R, G, B come from are given.
 static void check_layout( const Layout* layout, int red, int green, int blue )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     RfError error = { 0 };
     if ( rf_read_exr( write_layout( layout ), &image, &error ) != RF_OK )
         fail_msg( "%s", error.text );
@@ -148,7 +147,6 @@ static void check_layout( const Layout* layout, int red, int green, int blue )
         if ( fabsf( image.rgb[i] - wanted ) > precision * wanted )
             fail_msg( "(%d, %d) channel %d: %g, not %g", x, y, i % 3, (double)image.rgb[i], (double)wanted );
     }
-    rf_destroy_image( &image );
 }
 
 static void check_refused( const Layout* layout, RfResult wanted, const char* word )
@@ -250,9 +248,9 @@ static void patch( char* bytes, size_t size, const char* key, size_t key_size, s
 
 static RfResult read_bytes( const char* bytes, size_t size, RfError* error )
 {
-    const char* path = temp_path( "damaged.exr" );
+    const char* path = cli_path( "damaged.exr" );
     RfImage image;
-    save_file( path, bytes, size );
+    cli_write( path, bytes, size );
     error->text[0] = 0;
     RfResult result = rf_read_exr( path, &image, error );
     if ( result != RF_OK )
@@ -270,14 +268,13 @@ TEST( test_refused_compression )
     Layout layout = default_layout();
     size_t size;
     RfError error;
-    char* bytes = load_file( write_layout( &layout ), &size );
+    AUTO_FREE char* bytes = cli_read( write_layout( &layout ), &size );
     patch( bytes, size, "compression\0compression", 24, 4, 8 );
     if ( !rf_has_dwa() )
     {
         assert_int_equal( read_bytes( bytes, size, &error ), RF_ERROR_UNSUPPORTED );
         assert_non_null( strstr( error.text, "its compression is DWA, which this build of reframe lacks" ) );
     }
-    free( bytes );
 }
 
 TEST( test_deep_images_are_refused )
@@ -285,7 +282,7 @@ TEST( test_deep_images_are_refused )
     Layout layout = default_layout();
     layout.compression = EXR_COMPRESSION_NONE;
     layout.storage = EXR_STORAGE_DEEP_SCANLINE;
-    const char* path = temp_path( "deep.exr" );
+    const char* path = cli_path( "deep.exr" );
     exr_context_t context = NULL;
     assert_int_equal( exr_start_write( &context, path, EXR_WRITE_FILE_DIRECTLY, NULL ), EXR_ERR_SUCCESS );
     define_part( context, &layout, 0 );
@@ -304,8 +301,8 @@ TEST( test_no_image_is_one_line )
 {
     RfImage image;
     RfError error;
-    assert_int_equal( rf_read_exr( temp_path( "none.exr" ), &image, &error ), RF_ERROR_IO );
-    assert_int_equal( rf_read_exr( temp_folder, &image, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_read_exr( cli_path( "none.exr" ), &image, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_read_exr( cli_folder(), &image, &error ), RF_ERROR_IO );
     assert_int_equal( read_bytes( "", 0, &error ), RF_ERROR_FORMAT );
     char garbage[4096];
     uint32_t seed = 1;
@@ -328,11 +325,10 @@ TEST( test_truncated_files_fail )
         layout.storage = c % 2 == 0 ? EXR_STORAGE_SCANLINE : EXR_STORAGE_TILED;
         size_t size;
         RfError error;
-        char* bytes = load_file( write_layout( &layout ), &size );
+        AUTO_FREE char* bytes = cli_read( write_layout( &layout ), &size );
         for ( size_t end = 0; end < size; end += 1 + size / 50 )
             assert_int_not_equal( read_bytes( bytes, end, &error ), RF_OK );
         assert_int_not_equal( read_bytes( bytes, size - 1, &error ), RF_OK );
-        free( bytes );
     }
 }
 
@@ -371,8 +367,8 @@ TEST( test_mutations_never_crash )
         layout.storage = i < 5 ? EXR_STORAGE_SCANLINE : EXR_STORAGE_TILED;
         layout.type = i % 2 == 0 ? EXR_PIXEL_HALF : EXR_PIXEL_FLOAT;
         size_t size;
-        char* bytes = load_file( write_layout( &layout ), &size );
-        char* damaged = malloc( size );
+        AUTO_FREE char* bytes = cli_read( write_layout( &layout ), &size );
+        AUTO_FREE char* damaged = malloc( size );
         for ( int round = 0; round < rounds; ++round, ++all )
         {
             RfError error;
@@ -380,11 +376,9 @@ TEST( test_mutations_never_crash )
             mutate( damaged, size, &seed );
             read += read_bytes( damaged, size, &error ) == RF_OK;
         }
-        free( damaged );
-        free( bytes );
     }
     print_message( "%d of %d damaged files read\n", read, all );
     assert_true( difftime( time( NULL ), start ) < 30.0 + 0.05 * all );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

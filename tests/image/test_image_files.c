@@ -7,12 +7,9 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
 #include <openexr.h>
 #include <png.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -26,19 +23,17 @@ TEST( test_round_trip_float )
     for ( int i = 0; i < 15; ++i )
     {
         const int* size = sizes[i / 3];
-        RfImage image = make_image( size[0], size[1], 7 + (uint32_t)i );
+        AUTO_IMAGE image = make_image( size[0], size[1], 7 + (uint32_t)i );
         image.rgb[0] = NAN;
         image.rgb[1] = -INFINITY;
         image.rgb[2] = 1e-42f; // denormal
         RfExrOptions options = rf_default_exr_options();
         options.half = false;
         options.compression = compressions[i % 3];
-        RfImage back = write_and_read( "round.exr", &image, &options );
+        AUTO_IMAGE back = write_and_read( "round.exr", &image, &options );
         assert_int_equal( back.width, image.width );
         assert_int_equal( back.height, image.height );
         assert_memory_equal( back.rgb, image.rgb, image_bytes( &image ) );
-        rf_destroy_image( &back );
-        rf_destroy_image( &image );
     }
 }
 
@@ -48,16 +43,14 @@ TEST( test_round_trip_incompressible )
 {
     for ( int i = 0; i < INCOMPRESSIBLE; ++i )
     {
-        RfImage image = make_image( 40, 1, 1000 + (uint32_t)i );
+        AUTO_IMAGE image = make_image( 40, 1, 1000 + (uint32_t)i );
         // the last pixels are alike, so that a few bytes are saved
         for ( int k = 3 * ( 39 - i % 8 ); k < 3 * 40; ++k )
             image.rgb[k] = image.rgb[k - 3];
         RfExrOptions options = rf_default_exr_options();
         options.half = false;
-        RfImage back = write_and_read( "dense.exr", &image, &options );
+        AUTO_IMAGE back = write_and_read( "dense.exr", &image, &options );
         assert_memory_equal( back.rgb, image.rgb, image_bytes( &image ) );
-        rf_destroy_image( &back );
-        rf_destroy_image( &image );
     }
 }
 
@@ -81,47 +74,44 @@ TEST( test_half_rounding )
 
 TEST( test_round_trip_half )
 {
-    RfImage image = make_image( 61, 53, 3 );
+    AUTO_IMAGE image = make_image( 61, 53, 3 );
     const float extremes[] = { 1e9f, -1e9f, 65519.0f, 65520.0f, 70000.0f, INFINITY, NAN, 0.0f };
     memcpy( image.rgb, extremes, sizeof extremes );
     for ( int c = 0; c < 3; ++c )
     {
         RfExrOptions options = rf_default_exr_options();
         options.compression = (RfExrCompression)c;
-        RfImage back = write_and_read( "half.exr", &image, &options );
+        AUTO_IMAGE back = write_and_read( "half.exr", &image, &options );
         const float clamped[] = { 65504.0f, -65504.0f, 65504.0f, 65504.0f, 65504.0f, INFINITY };
         assert_memory_equal( back.rgb, clamped, sizeof clamped );
         assert_true( isnan( back.rgb[6] ) );
         for ( size_t i = 7; i < image_bytes( &image ) / sizeof( float ); ++i )
             assert_true( fabsf( back.rgb[i] - image.rgb[i] ) <= fmaxf( 0x1p-11f * fabsf( image.rgb[i] ), 0x1p-25f ) );
-        rf_destroy_image( &back );
     }
-    rf_destroy_image( &image );
 }
 
 TEST( test_same_image_same_bytes )
 {
-    RfImage image = make_image( 64, 40, 9 );
+    AUTO_IMAGE image = make_image( 64, 40, 9 );
     RfExrOptions options = rf_default_exr_options();
     RfError error;
     size_t sizes[2];
     char* bytes[2];
     for ( int i = 0; i < 2; ++i )
     {
-        const char* path = temp_path( i == 0 ? "a.exr" : "b.exr" );
+        const char* path = cli_path( i == 0 ? "a.exr" : "b.exr" );
         assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
-        bytes[i] = load_file( path, sizes + i );
+        bytes[i] = cli_read( path, sizes + i );
     }
     assert_int_equal( sizes[0], sizes[1] );
     assert_memory_equal( bytes[0], bytes[1], sizes[0] );
     free( bytes[0] );
     free( bytes[1] );
-    rf_destroy_image( &image );
 }
 
 TEST( test_attributes_round_trip )
 {
-    RfImage image = make_image( 20, 10, 1 );
+    AUTO_IMAGE image = make_image( 20, 10, 1 );
     const RfExrString strings[] = { { "reframe/group", "3" },
                                     { "reframe/empty", "" },
                                     { "reframe/a-name-longer-than-thirty-one-bytes", "long" } };
@@ -137,12 +127,10 @@ TEST( test_attributes_round_trip )
     }
     options.strings = strings;
     options.string_count = 3;
-    RfImage back = write_and_read( "attributes.exr", &image, &options );
-    rf_destroy_image( &back );
-    rf_destroy_image( &image );
+    AUTO_IMAGE back = write_and_read( "attributes.exr", &image, &options );
 
     exr_context_t context = NULL;
-    assert_int_equal( exr_start_read( &context, temp_path( "attributes.exr" ), NULL ), EXR_ERR_SUCCESS );
+    assert_int_equal( exr_start_read( &context, cli_path( "attributes.exr" ), NULL ), EXR_ERR_SUCCESS );
     exr_attr_rational_t fps;
     assert_int_equal( exr_attr_get_rational( context, 0, "framesPerSecond", &fps ), EXR_ERR_SUCCESS );
     assert_int_equal( fps.num, 24000 );
@@ -171,7 +159,7 @@ TEST( test_attributes_round_trip )
 TEST( test_strings_are_found_in_headers )
 {
     (void)state; // the file of test_attributes_round_trip
-    const char* path = temp_path( "attributes.exr" );
+    const char* path = cli_path( "attributes.exr" );
     char value[16];
     RfError error;
     assert_int_equal( rf_read_exr_string( path, "reframe/group", value, sizeof value, &error ), RF_OK );
@@ -183,16 +171,16 @@ TEST( test_strings_are_found_in_headers )
     assert_int_equal( rf_read_exr_string( path, "reframe/none", value, sizeof value, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "reframe/none" ) );
     assert_int_equal( rf_read_exr_string( path, "framesPerSecond", value, sizeof value, &error ), RF_ERROR_FORMAT );
-    assert_int_equal( rf_read_exr_string( temp_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_read_exr_string( cli_path( "none.exr" ), "x", value, sizeof value, &error ), RF_ERROR_IO );
 }
 
 TEST( test_png_is_srgb_of_the_light )
 {
-    RfImage image = make_image( 5, 2, 1 );
+    AUTO_IMAGE image = make_image( 5, 2, 1 );
     const float pixels[] = { 0.0f, 1.0f, 0.5f, NAN, 0.0f, 0.0f, -1.0f, INFINITY, 2.0f, 0.25f, 0.0f, 0.0f, 0.0f, 0.0f, 0.001f };
     memcpy( image.rgb, pixels, sizeof pixels );
     RfError error;
-    const char* path = temp_path( "image.png" );
+    const char* path = cli_path( "image.png" );
     assert_int_equal( rf_write_png( path, &image, 1.0f, &error ), RF_OK );
     png_image png = { .version = PNG_IMAGE_VERSION };
     assert_true( png_image_begin_read_from_file( &png, path ) );
@@ -205,13 +193,12 @@ TEST( test_png_is_srgb_of_the_light )
     const unsigned char expected[] = { 0, 255, 255, 255, 0, 255, 0, 255, 255, 188, 0, 0, 0, 0, 7 };
     assert_memory_equal( bytes, expected, sizeof expected );
     assert_int_equal( rf_write_png( path, &image, 1e9f, &error ), RF_ERROR_USAGE );
-    rf_destroy_image( &image );
 }
 
 // Each writer into a place where it cannot write: an error line, nothing left.
 static void check_refused( const char* path, RfResult wanted )
 {
-    RfImage image = make_image( 16, 16, 1 );
+    AUTO_IMAGE image = make_image( 16, 16, 1 );
     RfExrOptions options = rf_default_exr_options();
     RfError errors[3] = { { 0 } };
     assert_int_equal( rf_write_exr( path, &image, &options, errors ), wanted );
@@ -219,46 +206,44 @@ static void check_refused( const char* path, RfResult wanted )
     assert_int_equal( rf_write_file_atomic( path, "x", 1, errors + 2 ), wanted );
     for ( int i = 0; i < 3; ++i )
         assert_non_null( strstr( errors[i].text, path ) );
-    rf_destroy_image( &image );
 }
 
 TEST( test_unwritable_places_are_reported )
 {
     RfError error;
-    assert_int_equal( rf_write_file_atomic( temp_path( "file" ), "old", 3, &error ), RF_OK );
-    assert_int_equal( mkdir( temp_path( "folder" ), 0755 ), 0 );
-    int before = count_files();
-    check_refused( temp_path( "none/image.exr" ), RF_ERROR_IO );
-    check_refused( temp_path( "file/image.exr" ), RF_ERROR_IO );
-    check_refused( temp_path( "folder" ), RF_ERROR_IO );
-    check_refused( temp_path( "folder/" ), RF_ERROR_IO );
-    assert_int_equal( count_files(), before );
+    assert_int_equal( rf_write_file_atomic( cli_path( "file" ), "old", 3, &error ), RF_OK );
+    assert_int_equal( mkdir( cli_path( "folder" ), 0755 ), 0 );
+    int before = cli_count_files( "", "." );
+    check_refused( cli_path( "none/image.exr" ), RF_ERROR_IO );
+    check_refused( cli_path( "file/image.exr" ), RF_ERROR_IO );
+    check_refused( cli_path( "folder" ), RF_ERROR_IO );
+    check_refused( cli_path( "folder/" ), RF_ERROR_IO );
+    assert_int_equal( cli_count_files( "", "." ), before );
     if ( geteuid() != 0 ) // permissions do not bind root
     {
-        assert_int_equal( chmod( temp_path( "folder" ), 0555 ), 0 );
-        check_refused( temp_path( "folder/image.exr" ), RF_ERROR_IO );
+        assert_int_equal( chmod( cli_path( "folder" ), 0555 ), 0 );
+        check_refused( cli_path( "folder/image.exr" ), RF_ERROR_IO );
     }
-    assert_int_equal( rmdir( temp_path( "folder" ) ), 0 );
+    assert_int_equal( rmdir( cli_path( "folder" ) ), 0 );
 }
 
 TEST( test_links_are_followed )
 {
     RfError error;
-    const char* path = temp_path( "text" );
+    const char* path = cli_path( "text" );
     assert_int_equal( rf_write_file_atomic( path, "one", 3, &error ), RF_OK );
     assert_int_equal( chmod( path, 0600 ), 0 );
-    assert_int_equal( symlink( "text", temp_path( "link" ) ), 0 );
-    assert_int_equal( rf_write_file_atomic( temp_path( "link" ), "three", 5, &error ), RF_OK );
+    assert_int_equal( symlink( "text", cli_path( "link" ) ), 0 );
+    assert_int_equal( rf_write_file_atomic( cli_path( "link" ), "three", 5, &error ), RF_OK );
     struct stat status;
-    assert_int_equal( lstat( temp_path( "link" ), &status ), 0 );
+    assert_int_equal( lstat( cli_path( "link" ), &status ), 0 );
     assert_true( S_ISLNK( status.st_mode ) ); // the link stays, what it names is replaced
     assert_int_equal( stat( path, &status ), 0 );
     assert_int_equal( status.st_mode & 0777, 0600 );
     size_t size;
-    char* text = load_file( path, &size );
+    AUTO_FREE char* text = cli_read( path, &size );
     assert_int_equal( size, 5 );
     assert_memory_equal( text, "three", 5 );
-    free( text );
     assert_int_equal( rf_write_file_atomic( "/dev/null", "x", 1, &error ), RF_OK );
     assert_int_equal( stat( "/dev/null", &status ), 0 );
     assert_true( S_ISCHR( status.st_mode ) );
@@ -276,10 +261,10 @@ static void set_file_limit( rlim_t limit )
 TEST( test_full_disk_leaves_no_part )
 {
     RfError error;
-    const char* path = temp_path( "full" );
+    const char* path = cli_path( "full" );
     assert_int_equal( rf_write_file_atomic( path, "old", 3, &error ), RF_OK );
-    int before = count_files();
-    RfImage image = make_image( 200, 100, 5 );
+    int before = cli_count_files( "", "." );
+    AUTO_IMAGE image = make_image( 200, 100, 5 );
     RfExrOptions options = rf_default_exr_options();
     signal( SIGXFSZ, SIG_IGN );
     // 0: nothing fits; 100: part of the header; then the chunk table; then chunks
@@ -296,30 +281,26 @@ TEST( test_full_disk_leaves_no_part )
         }
         assert_int_equal( rf_write_png( path, &image, 0.0f, &error ), RF_ERROR_IO );
         set_file_limit( RLIM_INFINITY );
-        assert_int_equal( count_files(), before );
+        assert_int_equal( cli_count_files( "", "." ), before );
     }
-    rf_destroy_image( &image );
 }
 
 TEST( test_full_disk_keeps_old )
 {
     RfError error;
-    const char* path = temp_path( "kept.exr" );
-    RfImage image = make_image( 200, 100, 5 );
+    const char* path = cli_path( "kept.exr" );
+    AUTO_IMAGE image = make_image( 200, 100, 5 );
     RfExrOptions options = rf_default_exr_options();
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_OK );
     size_t sizes[2];
-    char* old = load_file( path, sizes );
+    AUTO_FREE char* old = cli_read( path, sizes );
     options.half = false;
     set_file_limit( 20000 );
     assert_int_equal( rf_write_exr( path, &image, &options, &error ), RF_ERROR_IO );
     set_file_limit( RLIM_INFINITY );
-    char* now = load_file( path, sizes + 1 );
+    AUTO_FREE char* now = cli_read( path, sizes + 1 );
     assert_int_equal( sizes[0], sizes[1] );
     assert_memory_equal( old, now, sizes[0] );
-    free( old );
-    free( now );
-    rf_destroy_image( &image );
 }
 
 TEST( test_sequence_names_are_read_and_made )
@@ -379,10 +360,10 @@ TEST( test_sequence_frames )
                                   "xs.0004.exr", "s.-001.exr", "s.99999999999.exr", "s.-0012.exr", "s.-0000.exr" };
     RfError error;
     for ( int i = 0; i < 11; ++i )
-        assert_int_equal( rf_write_file_atomic( temp_path( names[i] ), "", 0, &error ), RF_OK );
+        assert_int_equal( rf_write_file_atomic( cli_path( names[i] ), "", 0, &error ), RF_OK );
     int* frames;
     int count;
-    assert_int_equal( rf_sequence_frames( temp_path( "s.####.exr" ), &frames, &count, &error ), RF_OK );
+    assert_int_equal( rf_sequence_frames( cli_path( "s.####.exr" ), &frames, &count, &error ), RF_OK );
     const int expected[] = { -12, 2, 10, 12345 };
     assert_int_equal( count, 4 );
     assert_memory_equal( frames, expected, sizeof expected );
@@ -392,10 +373,10 @@ TEST( test_sequence_frames )
     assert_string_equal( name, "s.-0012.exr" );
     rf_format_frames( ( const int[] ){ -5, -4, -3, -1, 0, 2 }, 6, name, sizeof name );
     assert_string_equal( name, "-5 to -3, -1, 0, 2" );
-    assert_int_equal( rf_sequence_frames( temp_path( "t.####.exr" ), &frames, &count, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_sequence_frames( cli_path( "t.####.exr" ), &frames, &count, &error ), RF_ERROR_IO );
     assert_null( frames );
-    assert_int_equal( rf_sequence_frames( temp_path( "none/s.#" ), &frames, &count, &error ), RF_ERROR_IO );
-    assert_int_equal( rf_sequence_frames( temp_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_sequence_frames( cli_path( "none/s.#" ), &frames, &count, &error ), RF_ERROR_IO );
+    assert_int_equal( rf_sequence_frames( cli_path( "s.exr" ), &frames, &count, &error ), RF_ERROR_USAGE );
 }
 
 TEST( test_image_sizes_are_checked )
@@ -413,4 +394,4 @@ TEST( test_image_sizes_are_checked )
     rf_destroy_image( &image ); // twice does no harm
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

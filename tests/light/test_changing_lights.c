@@ -12,11 +12,6 @@
 #include "support/test.h"
 #include "trace/trace.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum
 {
     FRAMES = 5
@@ -557,20 +552,18 @@ TEST( test_samples_have_the_mean_of_still_scenes )
         Sample truth[FRAMES][PLACES];
         for ( int f = 0; f < FRAMES; ++f )
         {
-            RfScene scene = still_scene( w, f );
-            RfLights lights;
+            AUTO_SCENE scene = still_scene( w, f );
+            AUTO_BY( rf_destroy_lights ) RfLights lights;
             RfError error;
             assert_int_equal( rf_collect_lights( &scene, &lights, &error ), RF_OK );
             assert_null( lights.changing );
             for ( uint32_t i = 0; i < PLACES; ++i )
                 truth[f][i] = brute_force( &lights, &scene, in_cube( 11, i, 2.0f ), direction( 12, i ), (int)( i % 3 ), i );
-            rf_destroy_lights( &lights );
             scene.materials = NULL;
             scene.material_count = 0;
             scene.punctuals = NULL;
             scene.punctual_count = 0;
             scene.environment.map = NULL;
-            rf_destroy_scene( &scene );
         }
         RfGroupLights* group = group_of( w );
         for ( int f = 0; f < FRAMES; ++f )
@@ -597,14 +590,14 @@ TEST( test_few_lights )
     SceneBuilder b = { 0 };
     add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     add_box( &b, 0, rf_vec3( -1, -1, -1 ), rf_vec3( 1, 1, 1 ), true );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     scene.punctual_count = 2;
     scene.punctuals = calloc( 2, sizeof *scene.punctuals );
     scene.punctuals[0] = make_point_light( rf_vec3( 0, 0, 0 ), 0.0f ); // dark in the first frame
     scene.punctuals[1] = make_point_light( rf_vec3( 0, 0.5f, 0 ), 0.0f );
     scene.punctuals[0].changes = scene.punctuals[1].changes = true;
     scene.movement = calloc( 1, sizeof *scene.movement );
-    RfLights still;
+    AUTO_BY( rf_destroy_lights ) RfLights still;
     RfGroupLights* group;
     RfError error;
     assert_int_equal( rf_collect_lights( &scene, &still, &error ), RF_OK );
@@ -650,8 +643,6 @@ TEST( test_few_lights )
     assert_int_equal( group->lights->count, 0 ); // in the dark
     assert_true( rf_light_probability( group->lights, RF_LIGHTS_BY_TREE, 0, x, n ) == 0.0f );
     rf_destroy_group_lights( group );
-    rf_destroy_lights( &still );
-    rf_destroy_scene( &scene );
 }
 
 // ---- Tracers

@@ -9,10 +9,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define PI 3.14159265358979324
 
 static void numbers_of( uint64_t seed, uint32_t i, float u[6] )
@@ -78,7 +74,7 @@ static void check_flux( const char* what, RfScene scene, double expected, double
     {
         COUNT = 40000
     };
-    RfLights lights = collect( &scene );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double sum = 0.0, sum2 = 0.0, luminance = 0.0;
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
@@ -101,7 +97,6 @@ static void check_flux( const char* what, RfScene scene, double expected, double
     for ( uint32_t i = 0; i < lights.count; ++i )
         power += rf_light_power( &lights, i );
     assert_true( fabs( luminance - power ) <= 4.0 * error * power / expected + fmax( tolerance, 1e-6 ) * power );
-    rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
 
@@ -143,7 +138,7 @@ TEST( test_flux_of_a_map )
         ROWS = 400
     };
     RfScene scene = make_open_scene( LIT_BY_MAP );
-    RfLights lights = collect( &scene );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double light = 0.0, radius2 = (double)lights.radius * (double)lights.radius;
     for ( int i = 0; i < 2 * ROWS * ROWS; ++i )
     {
@@ -152,7 +147,6 @@ TEST( test_flux_of_a_map )
         RfVec3 d = rf_vec3( (float)( r * cos( phi ) ), (float)z, (float)( r * sin( phi ) ) );
         light += (double)rf_sky_radiance( &lights.sky, d ).x * 4.0 * PI / ( 2.0 * ROWS * ROWS );
     }
-    rf_destroy_lights( &lights );
     check_flux( "map", scene, light * PI * radius2, 3e-3 );
 }
 
@@ -165,7 +159,7 @@ TEST( test_flux_of_a_texture )
     };
     for ( int blended = 0; blended < 2; ++blended )
     {
-        RfScene scene = make_square( make_light( 3.0f, false ) );
+        AUTO_SCENE scene = make_square( make_light( 3.0f, false ) );
         add_test_textures( &scene );
         RfFactors factors = { .base = { 1, 1, 1, blended ? 0.25 : 1 }, .roughness = 1, .ior = 1.5 };
         RfTextured* t = texture_material( &scene, 0, factors );
@@ -178,7 +172,7 @@ TEST( test_flux_of_a_texture )
             mean += (double)rf_emission_at( &scene, scene.materials, (uint32_t)( i % 2 ), 1.0f - root, v * root ).x /
                     ( 2.0 * SIDE * SIDE );
         }
-        RfLights lights = collect( &scene );
+        AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
         double sum = 0.0, sum2 = 0.0, expected = PI * 4.0 * mean * ( blended ? 0.25 : 1.0 );
         for ( uint32_t i = 0; i < 100000; ++i )
         {
@@ -192,8 +186,6 @@ TEST( test_flux_of_a_texture )
         double error = sqrt( ( sum2 - sum * sum ) * 1e-5 );
         printf( "textured, blended %d: flux %.5g (SE %.2g), expected %.5g\n", blended, sum, error, expected );
         assert_true( fabs( sum - expected ) < 4.0 * error + 2e-3 * expected && error < 0.02 * expected );
-        rf_destroy_lights( &lights );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -210,7 +202,7 @@ static void check_density( const char* what, RfScene scene )
     {
         ROWS = 300
     };
-    RfLights lights = collect( &scene );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double selected = 0.0;
     for ( uint32_t i = 0; i < lights.count; ++i )
     {
@@ -243,7 +235,6 @@ static void check_density( const char* what, RfScene scene )
         assert_true( asked.pdf_light == e.pdf_light && fabsf( asked.pdf_area / e.pdf_area - 1.0f ) < 1e-4f );
         assert_true( fabsf( asked.pdf_solid_angle / e.pdf_solid_angle - 1.0f ) < 2e-3f );
     }
-    rf_destroy_lights( &lights );
     rf_destroy_scene( &scene );
 }
 
@@ -252,7 +243,7 @@ TEST( test_densities_integrate_to_one )
     check_density( "all lights", make_open_scene( LIT_BY_ALL ) );
     check_density( "even sky", make_open_scene( LIT_BY_SKY ) );
     check_density( "one-sided", make_square( make_light( 1.0f, false ) ) );
-    RfScene scene = make_square( make_light( 3.0f, true ) );
+    AUTO_SCENE scene = make_square( make_light( 3.0f, true ) );
     RfLights lights = collect( &scene );
     assert_true( lights.light[0].pdf_area == 0.5f ); // a triangle of half the square
     // outside of the ball nothing of a sky starts
@@ -266,14 +257,13 @@ TEST( test_densities_integrate_to_one )
     rf_find_emission_pdf( &lights, &e );
     assert_true( fabs( (double)e.pdf_area * PI * 2.0 - 1.0 ) < 1e-5 );
     rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 // A given direction from a place has the throughput over the density that the ray would have if it were drawn.
 TEST( test_steered_rays )
 {
-    RfScene scene = make_open_scene( LIT_BY_ALL );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_open_scene( LIT_BY_ALL );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     int lit = 0;
     for ( uint32_t i = 0; i < 20000; ++i )
     {
@@ -297,8 +287,6 @@ TEST( test_steered_rays )
         assert_true( fabsf( e.throughput.x / expected - 1.0f ) < 1e-5f );
     }
     assert_true( lit > 200 );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 enum
@@ -373,16 +361,15 @@ static void irradiance_by_light_samples( const RfTracer* tracer, uint64_t seed, 
     settings.seed = seed;
     settings.threads = 1;
     int frame = 0;
-    Rendered r = render_frames( tracer, &eye, 1, &frame, 1, &settings );
+    AUTO_BY( free_rendered ) Rendered r = render_frames( tracer, &eye, 1, &frame, 1, &settings );
     for ( int i = 0; i < PATCHES * PATCHES; ++i )
         irradiance[i] = PI * (double)r.rgb[3 * i];
-    free_rendered( &r );
 }
 
 TEST( test_floor_is_lit_as_by_light_samples )
 {
-    RfScene scene = make_shaded_floor();
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_shaded_floor();
+    AUTO_TRACER tracer = make_tracer( &scene );
     static double rays[PATCHES * PATCHES][SEEDS], samples[PATCHES * PATCHES][SEEDS];
     for ( int k = 0; k < SEEDS; ++k )
     {
@@ -403,8 +390,6 @@ TEST( test_floor_is_lit_as_by_light_samples )
                 error[1], p );
         assert_true( p > 1e-4 && error[0] < 0.015 * a && error[1] < 0.01 * b );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 int main( void )

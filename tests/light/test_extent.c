@@ -10,10 +10,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define PI 3.14159265358979324
 
 typedef RfExtentSample ( *Draw )( const RfPunctual* lamp, RfVec3 from, const float u[2] );
@@ -197,7 +193,7 @@ static Images lit( RfPunctual lamp, bool geometry, int spp )
         light.emission = rf_scale( lamp.intensity, 1.0f / ( RF_PI * lamp.radius * lamp.radius ) );
         add_sphere( &b, add_material( &b, light ), lamp.position, lamp.radius, 48 );
     }
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     if ( !geometry )
     {
         scene.punctuals = malloc( sizeof *scene.punctuals );
@@ -205,15 +201,13 @@ static Images lit( RfPunctual lamp, bool geometry, int spp )
         scene.punctuals[0] = lamp;
         scene.punctual_count = 1;
     }
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eye = rf_make_eye( rf_vec3( 0.3f, 1.4f, 1.9f ), rf_vec3( -0.1f, -0.6f, -1 ), rf_vec3( 0, 1, 0 ), 0.9, 24, 18 );
     RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = spp;
     settings.max_depth = 2;
     Images images = rendered_images( tracer, &eye, 1, 0, settings );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
     return images;
 }
 

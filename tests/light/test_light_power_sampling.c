@@ -7,10 +7,6 @@
 #include "support/test.h"
 #include "light/light.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define MOST_LIGHTS 256
 
 static void add_patch( SceneBuilder* b, uint32_t material, float x, float side )
@@ -71,8 +67,8 @@ static RfLights collect( const RfScene* scene )
 
 TEST( test_who_is_a_light )
 {
-    RfScene scene = make_lights_scene();
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_lights_scene();
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     assert_int_equal( lights.count, 2 * 13 );
     uint32_t of_lights = 0;
     for ( uint32_t i = 0; i < scene.triangles.count; ++i )
@@ -88,14 +84,12 @@ TEST( test_who_is_a_light )
         assert_true( fabsf( rf_length( lights.light[k].normal ) - 1.0f ) < 1e-6f && lights.light[k].normal.z > 0.0f );
     }
     assert_int_equal( of_lights, lights.count );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_shares_and_densities )
 {
-    RfScene scene = make_lights_scene();
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_lights_scene();
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double share[MOST_LIGHTS], total = 0.0, integral = 0.0;
     table_shares( &lights, share );
     for ( uint32_t i = 0; i < lights.count; ++i )
@@ -110,8 +104,6 @@ TEST( test_shares_and_densities )
         integral += (double)lights.power_fraction[i];
     }
     assert_true( fabs( integral - 1.0 ) < 1e-6 );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_two_sided_counts_double )
@@ -120,14 +112,12 @@ TEST( test_two_sided_counts_double )
     uint32_t one = add_material( &b, make_light( 3.0f, false ) ), two = add_material( &b, make_light( 3.0f, true ) );
     add_patch( &b, one, 0.0f, 1.0f );
     add_patch( &b, two, 2.0f, 1.0f );
-    RfScene scene = finish_scene( &b );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = finish_scene( &b );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double share[MOST_LIGHTS];
     table_shares( &lights, share );
     for ( uint32_t i = 0; i < 4; ++i )
         assert_true( fabs( share[i] - ( lights.light[i].two_sided ? 2.0 : 1.0 ) / 6.0 ) < 1e-7 );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_picks_follow_power )
@@ -136,8 +126,8 @@ TEST( test_picks_follow_power )
     {
         PICKS = 2000000
     };
-    RfScene scene = make_lights_scene();
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_lights_scene();
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double count[MOST_LIGHTS] = { 0 }, total = 0.0, chi_square = 0.0;
     for ( uint32_t k = 0; k < PICKS; ++k )
         count[rf_select_light_by_power( &lights, rf_random_bits( rf_pixel_key( 99, k ), 0 ),
@@ -154,8 +144,6 @@ TEST( test_picks_follow_power )
     assert_true( p > 1e-4 && p < 1.0 - 1e-4 );
     assert_true( rf_select_light_by_power( &lights, 0, 0 ) < lights.count &&
                  rf_select_light_by_power( &lights, UINT32_MAX, UINT32_MAX ) < lights.count );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 // Many lights, every second one a thousandth as strong: picked as the densities
@@ -172,8 +160,8 @@ TEST( test_small_among_many )
     for ( int i = 0; i < LIGHTS / 2; ++i )
         add_quad( &b, i % 2 == 0 ? strong : weak, rf_vec3( (float)i, 0, 0 ), rf_vec3( (float)i + 0.5f, 0, 0 ),
                   rf_vec3( (float)i + 0.5f, 1, 0 ), rf_vec3( (float)i, 1, 0 ) );
-    RfScene scene = finish_scene( &b );
-    RfLights lights;
+    AUTO_SCENE scene = finish_scene( &b );
+    AUTO_BY( rf_destroy_lights ) RfLights lights;
     RfError error;
     assert_int_equal( rf_collect_lights( &scene, &lights, &error ), RF_OK );
     assert_int_equal( lights.count, LIGHTS );
@@ -188,8 +176,6 @@ TEST( test_small_among_many )
         expected += lights.light[i].radiance.x < 10.0f ? PICKS * (double)lights.power_fraction[i] : 0.0;
     printf( "weak lights: %.0f picks, %.0f expected\n", weak_picks, expected );
     assert_true( fabs( weak_picks - expected ) < 4.0 * sqrt( expected ) );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_no_lights_no_picks )
@@ -201,11 +187,10 @@ TEST( test_no_lights_no_picks )
     SceneBuilder b = { 0 };
     add_patch( &b, add_material( &b, make_light( 0.0f, true ) ), 0.0f, 1.0f );
     add_patch( &b, add_material( &b, make_light( 5.0f, true ) ), 0.0f, 0.0f ); // all of them without area
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     lights = collect( &scene );
     assert_int_equal( lights.count, 0 );
     rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 // Irradiance at the origin of a surface with normal n from a polygon of
@@ -256,8 +241,8 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
     RfVec3 t, s;
     rf_basis( receiver->normal, &t, &s );
     add_quad( &b, plane, rf_scale( t, -0.1f ), rf_scale( s, -0.1f ), rf_scale( t, 0.1f ), rf_scale( s, 0.1f ) );
-    RfScene scene = finish_scene( &b );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = finish_scene( &b );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eye = rf_make_eye( receiver->eye, rf_scale( receiver->eye, -1.0f ), rf_vec3( 0.1f, 1, 0.2f ), 1e-5, 16, 16 );
     RfRenderSettings settings = plain_settings();
     settings.group = 0;
@@ -269,11 +254,10 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
     for ( int k = 0; k < SEED_COUNT; ++k )
     {
         settings.seed = (uint64_t)( k + 1 );
-        Rendered r = render_all( tracer, &eye, 1, &settings );
+        AUTO_BY( free_rendered ) Rendered r = render_all( tracer, &eye, 1, &settings );
         mean[k] = 0.0;
         for ( size_t i = 0; i < r.pixels; ++i )
             mean[k] += (double)r.rgb[3 * i] / (double)r.pixels;
-        free_rendered( &r );
     }
     double exact = (double)( RADIANCE * albedo ) / (double)RF_PI * polygon_irradiance( p, 4, receiver->normal );
     double error, value = mean_of( mean, SEED_COUNT, &error );
@@ -285,8 +269,6 @@ static void check_square( const Receiver* receiver, bool facing, bool two_sided,
         assert_true( error < 0.002 * exact && !is_far_off( ( value - exact ) / error, SEED_COUNT - 1 ) );
     else
         assert_true( value == 0.0 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_square_light_is_lambert_s_formula )

@@ -7,10 +7,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum
 {
     SIDE = 16,
@@ -60,7 +56,7 @@ static void make_eyes( RfEye* eyes )
 static void quarters( const RfTracer* tracer, const RfEye* eyes, const RfRenderSettings* settings, double mean[QUARTERS] )
 {
     const int middle = 1;
-    Rendered r = render_frames( tracer, eyes, EYES, &middle, 1, settings );
+    AUTO_BY( free_rendered ) Rendered r = render_frames( tracer, eyes, EYES, &middle, 1, settings );
     memset( mean, 0, QUARTERS * sizeof *mean );
     for ( int i = 0; i < SIDE * SIDE; ++i )
     {
@@ -68,7 +64,6 @@ static void quarters( const RfTracer* tracer, const RfEye* eyes, const RfRenderS
         for ( int c = 0; c < 3; ++c )
             mean[quarter] += (double)r.rgb[3 * i + c] * QUARTERS / ( 3.0 * SIDE * SIDE );
     }
-    free_rendered( &r );
 }
 
 static void check_same_mean( const RfTracer* tracer, int light_samples, int group )
@@ -108,18 +103,16 @@ static void check_same_mean( const RfTracer* tracer, int light_samples, int grou
 
 TEST( test_tree_and_power_have_the_same_mean )
 {
-    RfScene scene = make_lamps();
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_lamps();
+    AUTO_TRACER tracer = make_tracer( &scene );
     for ( int k = 0; k < 4; ++k )
         check_same_mean( tracer, k % 2 == 0 ? 1 : 4, k / 2 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_tree_is_the_plain_tracer_to_the_bit )
 {
-    RfScene scene = make_lamps();
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_lamps();
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     make_eyes( eyes );
     for ( int k = 0; k < 4; ++k )
@@ -129,7 +122,7 @@ TEST( test_tree_is_the_plain_tracer_to_the_bit )
         settings.group = 0;
         settings.light_samples = 1 + k % 2;
         settings.light_sampling = k < 2 ? RF_LIGHTS_BY_TREE : RF_LIGHTS_BY_POWER;
-        Rendered r = render_all( tracer, eyes, EYES, &settings );
+        AUTO_BY( free_rendered ) Rendered r = render_all( tracer, eyes, EYES, &settings );
         for ( int frame = 0; frame < EYES; ++frame )
         {
             float plain[3 * SIDE * SIDE];
@@ -137,10 +130,7 @@ TEST( test_tree_is_the_plain_tracer_to_the_bit )
             reference_image( tracer, eyes + frame, &s, plain );
             assert_memory_equal( plain, frame_rgb( &r, frame ), sizeof plain );
         }
-        free_rendered( &r );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 int main( void )

@@ -7,10 +7,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 static float number( uint32_t stream, uint32_t i, uint32_t dimension )
 {
     return rf_random( rf_pixel_key( rf_pass_key( 11, stream, 0, 0 ), i ), dimension );
@@ -188,8 +184,8 @@ static RfVec3 some_place( const RfLights* lights, uint32_t i )
 
 static void check_sums( const Mix* mix )
 {
-    RfScene scene = make_scene( mix );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_scene( mix );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     assert_true( lights.tree.node_count > 0 );
     double most_lost = 0.0;
     for ( uint32_t i = 0; i < 400; ++i )
@@ -209,8 +205,6 @@ static void check_sums( const Mix* mix )
                       (double)x.z, sum, lost );
     }
     printf( "%-20s %5u lights, at most %.2g lost\n", mix->name, lights.count, most_lost );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_chances_sum_up )
@@ -227,7 +221,7 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
     {
         PICKS = 100000
     };
-    double* count = calloc( (size_t)lights->count + 1, sizeof *count );
+    AUTO_FREE double* count = calloc( (size_t)lights->count + 1, sizeof *count );
     assert_non_null( count );
     for ( uint32_t i = 0; i < PICKS; ++i )
     {
@@ -260,7 +254,6 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
         chi_square += ( rest_count - rest ) * ( rest_count - rest ) / rest;
         terms += 1.0;
     }
-    free( count );
     return terms > 1.0 ? chi_square_p( chi_square, terms - 1.0 ) : -1.0;
 }
 
@@ -274,16 +267,14 @@ TEST( test_picks_keep_to_chances )
     int count = 0;
     for ( int k = 0; k < MIXES; ++k )
     {
-        RfScene scene = make_scene( s_mixes + k );
-        RfLights lights = collect( &scene );
+        AUTO_SCENE scene = make_scene( s_mixes + k );
+        AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
         for ( uint32_t i = 0; i < PLACES; ++i )
         {
             double one = check_picks( &lights, some_place( &lights, i ), direction( 7, i, 0 ), (uint32_t)k * PLACES + i );
             if ( one >= 0.0 )
                 p[count++] = one;
         }
-        rf_destroy_lights( &lights );
-        rf_destroy_scene( &scene );
     }
     double least = 1.0;
     for ( int i = 0; i < count; ++i )
@@ -302,8 +293,8 @@ TEST( test_batches_equal_single_picks )
     static float x[3][COUNT], n[3][COUNT];
     static uint32_t bits[2][COUNT];
     static RfLightSelection pick[COUNT];
-    RfScene scene = make_scene( s_mixes + MIXES - 1 );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_scene( s_mixes + MIXES - 1 );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
         RfVec3 p = some_place( &lights, i ), d = direction( 8, i, 0 );
@@ -332,8 +323,6 @@ TEST( test_batches_equal_single_picks )
             assert_true( one.light == pick[i].light && one.probability == pick[i].probability );
         }
     }
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 // Does light leave a random point of the light towards x, and arrive above the horizon?
@@ -368,8 +357,8 @@ static bool can_send( const RfLights* lights, uint32_t k, RfVec3 x, RfVec3 n, ui
 
 static void check_reach( const Mix* mix )
 {
-    RfScene scene = make_scene( mix );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_scene( mix );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     long sends = 0, idle = 0;
     for ( uint32_t i = 0; i < 3000; ++i )
     {
@@ -387,8 +376,6 @@ static void check_reach( const Mix* mix )
     }
     printf( "%-20s %8ld times above 0, %8ld times 0\n", mix->name, sends, idle );
     assert_true( sends > 100 && ( lights.count < 10 || idle > 100 ) );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_all_that_can_send_are_picked )
@@ -404,8 +391,8 @@ TEST( test_each_light_once_at_logarithmic_depth )
     for ( int quads = 2; quads <= 20000; quads *= 10 )
     {
         Mix mix = { .name = "shape", .quads = quads, .least = 1e-4f, .most = 3.0f };
-        RfScene scene = make_scene( &mix );
-        RfLights lights = collect( &scene );
+        AUTO_SCENE scene = make_scene( &mix );
+        AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
         const RfLightTree* tree = &lights.tree;
         double depth = 0.0, most = 0.0;
         for ( uint32_t i = 0; i < lights.count; ++i )
@@ -427,8 +414,6 @@ TEST( test_each_light_once_at_logarithmic_depth )
         }
         printf( "%5u lights: depth %.2f, at most %.0f\n", lights.count, depth, most );
         assert_true( depth < 1.5 + 1.5 * log( (double)lights.count ) / log( 8.0 ) && most < 16.0 );
-        rf_destroy_lights( &lights );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -447,8 +432,8 @@ static double middle_light( const RfLight* light, RfVec3 x, RfVec3 n )
 TEST( test_picks_make_little_noise )
 {
     Mix mix = { .quads = 200, .least = 0.2f, .most = 0.2f, .flat = true };
-    RfScene scene = make_scene( &mix );
-    RfLights lights = collect( &scene );
+    AUTO_SCENE scene = make_scene( &mix );
+    AUTO_BY( rf_destroy_lights ) RfLights lights = collect( &scene );
     double variance[2] = { 0.0 };
     for ( uint32_t i = 0; i < 300; ++i )
     {
@@ -470,6 +455,4 @@ TEST( test_picks_make_little_noise )
     }
     printf( "relative variance of a pick: %.3f by the tree, %.3f by power\n", variance[0], variance[1] );
     assert_true( variance[0] < 0.6 && variance[0] < 0.15 * variance[1] );
-    rf_destroy_lights( &lights );
-    rf_destroy_scene( &scene );
 }

@@ -6,11 +6,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define PI 3.14159265358979324
 #define HEAD "IESNA:LM-63-2002\r\n[TEST] own\r\nTILT=NONE\r\n"
 
@@ -173,9 +168,9 @@ TEST( test_emission_follows_the_table )
         SceneBuilder b = { 0 };
         uint32_t m = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
         add_quad( &b, m, rf_vec3( -1, 0, 1 ), rf_vec3( 1, 0, 1 ), rf_vec3( 1, 0, -1 ), rf_vec3( -1, 0, -1 ) );
-        RfScene scene = finish_scene( &b );
+        AUTO_SCENE scene = finish_scene( &b );
         add_lamp( &scene, make_table( k == 1 ) );
-        RfLights lights;
+        AUTO_BY( rf_destroy_lights ) RfLights lights;
         RfError error;
         assert_int_equal( rf_collect_lights( &scene, &lights, &error ), RF_OK );
         double sum = 0.0, found[CELLS] = { 0 }, wanted[CELLS] = { 0 }, chi = 0.0;
@@ -221,14 +216,12 @@ TEST( test_emission_follows_the_table )
         }
         printf( "chi2 %.4g of %d cells\n", chi, cells );
         assert_true( chi_square_p( chi, cells ) > 1e-4 && chi_square_p( chi, cells ) < 0.9999 );
-        rf_destroy_lights( &lights );
-        rf_destroy_scene( &scene );
     }
 }
 
 TEST( test_towards_is_where_the_table_says )
 {
-    RfScene scene = { 0 };
+    AUTO_SCENE scene = { 0 };
     add_lamp( &scene, make_table( true ) );
     // −z of the node down, its x axis along x: −y, horizontal angle 0, is z
     scene.punctuals[0].direction = rf_vec3( 0, -1, 0 );
@@ -238,5 +231,4 @@ TEST( test_towards_is_where_the_table_says )
     double turn = 15.0 * PI / 180.0, low = floor( h / turn ) * turn, t = ( h - low ) / turn, axis = 40.0 * PI / 180.0;
     double side = 1.0 + 0.9 * ( ( 1.0 - t ) * cos( low - axis ) + t * cos( low + turn - axis ) );
     assert_true( fabs( (double)rf_lamp_falloff( scene.punctuals, d ) / ( pow( cos( v ), 4.0 ) * side ) - 1.0 ) < 1e-3 );
-    rf_destroy_scene( &scene );
 }

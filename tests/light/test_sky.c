@@ -8,10 +8,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define WIDTH 12
 #define HEIGHT 6
 
@@ -68,7 +64,7 @@ TEST( test_middle_of_the_map )
     // turned a quarter counter-clockwise, what was in −z lies in −x
     RfEnvironment turned = make_environment( 0.5f * RF_PI );
     turned.radiance = rf_vec3( 1, 1, 1 );
-    RfSky other = make_sky( &turned );
+    AUTO_BY( rf_destroy_sky ) RfSky other = make_sky( &turned );
     sky = make_sky( &e );
     for ( uint32_t i = 0; i < 100; ++i )
     {
@@ -76,7 +72,6 @@ TEST( test_middle_of_the_map )
         float a = rf_sky_radiance( &sky, d ).x, b = rf_sky_radiance( &other, rf_vec3( d.z, d.y, -d.x ) ).x;
         assert_true( fabsf( a - b ) < 1e-3f * ( 1.0f + a ) );
     }
-    rf_destroy_sky( &other );
     rf_destroy_sky( &sky );
 }
 
@@ -88,7 +83,7 @@ TEST( test_density_integrates_to_one )
         COUNT = 400000
     };
     RfEnvironment e = make_environment( 0.4f );
-    RfSky sky = make_sky( &e );
+    AUTO_BY( rf_destroy_sky ) RfSky sky = make_sky( &e );
     double sum_p = 0.0, light = 0.0;
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
@@ -119,7 +114,6 @@ TEST( test_density_integrates_to_one )
     double mean = sum / 40000, error = sqrt( ( sum2 / 40000 - mean * mean ) / 40000 );
     assert_true( fabs( mean - light ) < 4.0 * error + 5e-3 * light );
     assert_true( error < 0.01 * light ); // in proportion to the light: little noise
-    rf_destroy_sky( &sky );
 }
 
 // Directions fall into the map's pixels as the density says.
@@ -130,7 +124,7 @@ TEST( test_directions_follow_the_density )
         COUNT = 200000
     };
     RfEnvironment e = make_environment( 0.0f );
-    RfSky sky = make_sky( &e );
+    AUTO_BY( rf_destroy_sky ) RfSky sky = make_sky( &e );
     static double seen[WIDTH * HEIGHT], expected[WIDTH * HEIGHT];
     for ( uint32_t i = 0; i < COUNT; ++i )
     {
@@ -160,7 +154,6 @@ TEST( test_directions_follow_the_density )
     }
     assert_true( cells > WIDTH * HEIGHT / 2 );
     assert_true( chi_square_p( chi_square, cells - 1 ) > 1e-4 );
-    rf_destroy_sky( &sky );
 }
 
 // ---- Light samples of surfaces
@@ -300,7 +293,7 @@ TEST( test_cells_of_many_pixels )
             map[3 * i + c] = i == 20 * ACROSS + 77 ? 1e7f : light;
     }
     RfEnvironment e = { .radiance = rf_vec3( 1, 1, 1 ), .width = ACROSS, .height = DOWN, .map = map };
-    RfSky sky = make_sky( &e );
+    AUTO_BY( rf_destroy_sky ) RfSky sky = make_sky( &e );
     assert_true( sky.column_bits > 0 && sky.row_bits > 0 );
     for ( int k = 0; k < NORMALS; ++k )
     {
@@ -329,7 +322,6 @@ TEST( test_cells_of_many_pixels )
         }
         assert_true( off < 40 );
     }
-    rf_destroy_sky( &sky );
 }
 
 // Half of an even sky is below the horizon of a wall: no sample goes there.
@@ -339,7 +331,7 @@ TEST( test_no_sample_below_the_horizon )
     for ( int i = 0; i < 3 * 64 * 32; ++i )
         map[i] = 1.0f;
     RfEnvironment e = { .radiance = rf_vec3( 1, 1, 1 ), .width = 64, .height = 32, .map = map };
-    RfSky sky = make_sky( &e );
+    AUTO_BY( rf_destroy_sky ) RfSky sky = make_sky( &e );
     for ( int k = 0; k < NORMALS; ++k )
     {
         int below = 0;
@@ -352,7 +344,6 @@ TEST( test_no_sample_below_the_horizon )
         if ( below > ( k < 3 ? 200 : 2200 ) )
             fail_msg( "normal %d: %d of 10000 samples below the horizon", k, below );
     }
-    rf_destroy_sky( &sky );
 }
 
 TEST( test_black_is_no_sky )
@@ -376,14 +367,13 @@ static RfEye eye_above( float height, int width )
 
 static Rendered render_one( RfScene* scene, const RfEye* eye, int spp, int max_depth )
 {
-    RfTracer* tracer = make_tracer( scene );
+    AUTO_TRACER tracer = make_tracer( scene );
     RfRenderSettings settings = plain_settings();
     settings.group = 0;
     settings.spp = spp;
     settings.max_depth = max_depth;
     int frame = 0;
     Rendered r = render_frames( tracer, eye, 1, &frame, 1, &settings );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( scene );
     return r;
 }
@@ -412,11 +402,10 @@ static void check_lamp( RfPunctual lamp, double irradiance )
     scene.punctuals[0] = lamp;
     scene.punctual_count = 1;
     RfEye eye = eye_above( 1.0f, 4 );
-    Rendered r = render_one( &scene, &eye, 4, 12 );
+    AUTO_BY( free_rendered ) Rendered r = render_one( &scene, &eye, 4, 12 );
     double expected = 0.5 / 3.14159265358979324 * irradiance;
     if ( fabs( mean_red( &r ) - expected ) > 2e-3 * expected )
         fail_msg( "irradiance %g: radiance %g, not %g", irradiance, mean_red( &r ), expected );
-    free_rendered( &r );
 }
 
 TEST( test_lamps_by_closed_form )
@@ -452,9 +441,8 @@ TEST( test_floor_under_a_sky )
     RfScene scene = make_floor();
     scene.environment.radiance = rf_vec3( 2, 2, 2 );
     RfEye eye = eye_above( 1.0f, 16 );
-    Rendered r = render_one( &scene, &eye, 64, 12 );
+    AUTO_BY( free_rendered ) Rendered r = render_one( &scene, &eye, 64, 12 );
     assert_true( fabs( mean_red( &r ) - 0.5 * 2.0 ) < 5e-3 );
-    free_rendered( &r );
 }
 
 // Whatever takes nothing from the light is invisible in front of an even sky.
@@ -466,10 +454,9 @@ static void check_invisible( RfMaterial material, double low, double high )
     RfScene scene = finish_scene( &b );
     scene.environment.radiance = rf_vec3( 1, 1, 1 );
     RfEye eye = rf_make_eye( rf_vec3( 0, 0, 3 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.2, 24, 24 );
-    Rendered r = render_one( &scene, &eye, 64, 64 );
+    AUTO_BY( free_rendered ) Rendered r = render_one( &scene, &eye, 64, 64 );
     double mean = mean_red( &r );
     assert_true( mean > low && mean < high );
-    free_rendered( &r );
 }
 
 TEST( test_lossless_things_are_invisible )
@@ -497,9 +484,8 @@ TEST( test_eye_inside_of_glass )
         RfScene scene = finish_scene( &b );
         scene.environment.radiance = rf_vec3( 1, 1, 1 );
         RfEye eye = rf_make_eye( rf_vec3( 0, 0, -0.25f ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.02, 16, 16 );
-        Rendered r = render_one( &scene, &eye, 16, 8 );
+        AUTO_BY( free_rendered ) Rendered r = render_one( &scene, &eye, 16, 8 );
         double mean = mean_red( &r );
         assert_true( fabs( mean - exp( -0.5 ) ) < 2e-3 );
-        free_rendered( &r );
     }
 }

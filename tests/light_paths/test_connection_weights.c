@@ -6,10 +6,6 @@
 #include "support/rooms.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define LEAST_PATHS 100
 #define CLOSE 2e-3f
 
@@ -96,7 +92,7 @@ static void check_room( MirrorRoom kind, float share )
 {
     static LightPathSet set;
     static RfConnectionLanes lanes;
-    RfScene scene = make_mirror_room( kind );
+    AUTO_SCENE scene = make_mirror_room( kind );
     draw_light_path_set( &scene, 256, 128, &set );
     RfLightPaths* paths = set.paths;
     paths->share = share;
@@ -108,7 +104,6 @@ static void check_room( MirrorRoom kind, float share )
     assert_true( count[0] >= LEAST_PATHS );
     assert_true( count[1] > 0 );
     free_light_path_set( &set );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_weights_sum_to_one )

@@ -5,9 +5,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <string.h>
-
 #define EYES 3
 #define WIDTH 20
 #define HEIGHT 14
@@ -27,11 +24,10 @@ static RfRenderSettings connected( int group )
 
 static Rendered render( RfScene* scene, RfRenderSettings settings )
 {
-    RfTracer* tracer = make_tracer( scene );
+    AUTO_TRACER tracer = make_tracer( scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
     Rendered rendered = render_all( tracer, eyes, EYES, &settings );
-    rf_destroy_tracer( tracer );
     return rendered;
 }
 
@@ -42,23 +38,19 @@ static bool same( const Rendered* a, const Rendered* b )
 
 TEST( test_threads_change_no_bit )
 {
-    RfScene scene = make_mirror_room( GLASS_BALL );
+    AUTO_SCENE scene = make_mirror_room( GLASS_BALL );
     for ( int group = 0; group < 2; ++group )
     {
         RfRenderSettings settings = connected( group );
         settings.threads = 1;
-        Rendered one = render( &scene, settings );
+        AUTO_BY( free_rendered ) Rendered one = render( &scene, settings );
         settings.threads = 3;
-        Rendered three = render( &scene, settings );
+        AUTO_BY( free_rendered ) Rendered three = render( &scene, settings );
         settings.light_paths = RF_LIGHT_PATHS_OFF;
-        Rendered off = render( &scene, settings );
+        AUTO_BY( free_rendered ) Rendered off = render( &scene, settings );
         assert_true( same( &one, &three ) );
         assert_false( same( &one, &off ) );
-        free_rendered( &one );
-        free_rendered( &three );
-        free_rendered( &off );
     }
-    rf_destroy_scene( &scene );
 }
 
 // Smooth metals serve lamps without size alone, of which there are none.
@@ -66,52 +58,43 @@ TEST( test_without_mirrors_and_glass_nothing_changes )
 {
     for ( int k = 0; k < 2; ++k )
     {
-        RfScene scene = k == 0 ? make_room( ROOM_GGX ) : make_mirror_room( SHARP_METAL );
+        AUTO_SCENE scene = k == 0 ? make_room( ROOM_GGX ) : make_mirror_room( SHARP_METAL );
         RfRenderSettings settings = connected( 1 );
-        Rendered on = render( &scene, settings );
+        AUTO_BY( free_rendered ) Rendered on = render( &scene, settings );
         settings.light_paths = RF_LIGHT_PATHS_OFF;
-        Rendered off = render( &scene, settings );
+        AUTO_BY( free_rendered ) Rendered off = render( &scene, settings );
         assert_true( same( &on, &off ) );
-        free_rendered( &on );
-        free_rendered( &off );
-        rf_destroy_scene( &scene );
     }
 }
 
 // As seen in its ball, the room's lamp is large.
 TEST( test_large_emitters_are_left_to_chance )
 {
-    RfScene scene = make_mirror_room( GLASS_BALL );
+    AUTO_SCENE scene = make_mirror_room( GLASS_BALL );
     RfDivision division = rf_divide_emitters( &scene, NULL );
     assert_int_equal( division.all, 1 );
     assert_int_equal( division.connected, 0 );
     RfRenderSettings settings = connected( 1 );
     settings.light_paths = RF_LIGHT_PATHS_AUTO;
-    Rendered divided = render( &scene, settings );
+    AUTO_BY( free_rendered ) Rendered divided = render( &scene, settings );
     settings.light_paths = RF_LIGHT_PATHS_OFF;
-    Rendered off = render( &scene, settings );
+    AUTO_BY( free_rendered ) Rendered off = render( &scene, settings );
     assert_true( same( &divided, &off ) );
-    free_rendered( &divided );
-    free_rendered( &off );
-    rf_destroy_scene( &scene );
 }
 
 // Of a film of one camera: at first the tables and the batches traced ahead.
 static size_t bytes_of( int width, int height )
 {
     RfRenderSettings settings = connected( 0 );
-    RfScene scene = make_mirror_room( MIRROR_BALL );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_mirror_room( MIRROR_BALL );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 4.0f, width, height );
     settings.spp = 1;
-    Rendered rendered = render_all( tracer, eyes, 1, &settings );
+    AUTO_BY( free_rendered ) Rendered rendered = render_all( tracer, eyes, 1, &settings );
     size_t bytes = 0;
     for ( int i = 0; i < rendered.stats.entry_count; ++i )
         bytes += strcmp( rendered.stats.entries[i].name, "light paths" ) == 0 ? rendered.stats.entries[i].peak : 0;
-    free_rendered( &rendered );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
     return bytes;
 }
 

@@ -6,8 +6,6 @@
 #include "support/rooms.h"
 #include "support/statistics.h"
 
-#include <stdlib.h>
-
 #define WIDTH 24
 #define HEIGHT 18
 
@@ -76,14 +74,14 @@ static RfScene make_ceiling( RfPunctual lamp, bool squares, bool panes, bool mir
 
 static Images ceiling_images( RfPunctual lamp, bool squares, bool panes, bool mirror, int spp )
 {
-    RfScene scene = make_ceiling( lamp, squares, panes, mirror );
+    AUTO_SCENE scene = make_ceiling( lamp, squares, panes, mirror );
     if ( squares && mirror )
     {
         RfDivision division = rf_divide_emitters( &scene, NULL );
         assert_int_equal( division.all, 3 );
         assert_int_equal( division.connected, 2 );
     }
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eye = rf_make_eye( rf_vec3( 0, 1, 0 ), rf_vec3( 0.2f, 1, 0.1f ), rf_vec3( 0, 0, 1 ), 0.9, WIDTH, HEIGHT );
     RfRenderSettings settings = plain_settings();
     settings.group = 0;
@@ -91,8 +89,6 @@ static Images ceiling_images( RfPunctual lamp, bool squares, bool panes, bool mi
     settings.max_depth = 3;
     settings.light_paths = !mirror ? RF_LIGHT_PATHS_OFF : squares ? RF_LIGHT_PATHS_AUTO : RF_LIGHT_PATHS_ON;
     Images images = rendered_images( tracer, &eye, 1, 0, settings );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
     return images;
 }
 
@@ -209,8 +205,8 @@ static RfScene make_plates( RfPunctual lamp, float roughness )
 
 static void check_plates( const char* what, RfPunctual lamp, float roughness, int group, const char* tile )
 {
-    RfScene scene = make_plates( lamp, roughness );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_plates( lamp, roughness );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[3];
     for ( int i = 0; i < 3; ++i )
         eyes[i] = rf_make_eye( rf_vec3( 0.05f * (float)i, 0.7f, -1.2f ), rf_vec3( 0.1f, 0.8f, 1 ), rf_vec3( 0, 1, 0 ), 0.9, WIDTH,
@@ -226,8 +222,6 @@ static void check_plates( const char* what, RfPunctual lamp, float roughness, in
     assert_unbiased( what, &connected, &reference, 4 );
     free_images( &reference );
     free_images( &connected );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_smooth_metals_throw_light )

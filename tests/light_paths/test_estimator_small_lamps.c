@@ -8,9 +8,6 @@
 #include "support/test.h"
 #include "support/unbiased.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 #define WIDTH 16
 #define HEIGHT 12
 #define EYES 3
@@ -88,8 +85,8 @@ static Images bidirectional_images( const RfTracer* tracer, const RfEye* eye, in
 // The lamp that chance finds.
 static void check_referee( Body body, int max_depth )
 {
-    RfScene scene = make_scene( body, LARGE_LAMP );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_scene( body, LARGE_LAMP );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     make_eyes( eyes );
     RfRenderSettings settings = plain_settings();
@@ -105,16 +102,14 @@ static void check_referee( Body body, int max_depth )
     free_images( &reference );
     free_images( &bidirectional );
     free_images( &connected );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 static void check_body( const char* what, Body body, int max_depth )
 {
     printf( "%s\n", what );
     check_referee( body, max_depth );
-    RfScene scene = make_scene( body, SMALL_LAMP );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_scene( body, SMALL_LAMP );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[EYES];
     make_eyes( eyes );
     RfRenderSettings settings = plain_settings();
@@ -133,8 +128,6 @@ static void check_body( const char* what, Body body, int max_depth )
     free_images( &bidirectional );
     free_images( &alone );
     free_images( &together );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_a_slab_of_glass ) { check_body( "slab", SLAB, 5 ); }
@@ -146,8 +139,8 @@ TEST( test_by_way_of_a_mirror ) { check_body( "mirror", MIRROR, 5 ); }
 // The referee with all its ways: connections, and glossy surfaces with interpolated normals.
 TEST( test_bidirectional_path_tracing )
 {
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eye;
     orbit_eyes( &eye, 1, 0.0f, WIDTH, HEIGHT );
     RfRenderSettings settings = plain_settings();
@@ -157,8 +150,6 @@ TEST( test_bidirectional_path_tracing )
     assert_unbiased( "bidirectional, closed room", &bidirectional, &reference, BLOCK );
     free_images( &reference );
     free_images( &bidirectional );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 STATISTICAL_TESTS

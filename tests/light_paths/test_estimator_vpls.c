@@ -6,8 +6,6 @@
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 
-#include <stdlib.h>
-
 // The room has a floor that VPLs and cameras see in all ways: matte and glossy, flat and curved, and corners, where connections to
 // VPLs have small weights. The lamp has the same power in any size.
 static RfScene make_indirect_room( float half, bool panes )
@@ -63,8 +61,8 @@ TEST( test_light_of_the_second_kind_of_a_smaller_lamp )
 {
     if ( getenv( "REFRAME_LONG" ) == NULL )
         skip();
-    RfScene scene = make_indirect_room( 0.4f, false );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_indirect_room( 0.4f, false );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[CHAIN_EYES];
     orbit_eyes( eyes, CHAIN_EYES, 3.0f, CHAIN_WIDTH, CHAIN_HEIGHT );
     RfRenderSettings settings = plain_settings();
@@ -81,8 +79,6 @@ TEST( test_light_of_the_second_kind_of_a_smaller_lamp )
         free_images( &images );
     }
     free_images( &reference );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 STATISTICAL_TESTS

@@ -4,9 +4,6 @@
 #include "support/scene_builder.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-
 #define RADIANCE 15.0f
 #define MOST_SIGMAS 4.5
 
@@ -38,7 +35,7 @@ static void check_flux( const char* name, float inner, float outer, float tint, 
     pane.tint = rf_vec3( 0.9f, tint, 0.2f );
     for ( int k = 0; k < 2 && tint > 0.0f; ++k )
         add_sphere( &b, add_material( &b, pane ), center, k == 0 ? 0.3f : 0.8f, 64 );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     draw_light_path_set( &scene, 1024, 512, &set );
     int surfaces = inner > 0.0f ? 2 : 1;
     double power = power_of( set.tracer, lamp ), sum = 0.0, squares = 0.0, n = (double)set.paths->emitted;
@@ -55,7 +52,6 @@ static void check_flux( const char* name, float inner, float outer, float tint, 
     assert_true( sigma < 0.01 );
     assert_true( fabs( mean - expected ) <= MOST_SIGMAS * sigma );
     free_light_path_set( &set );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_flux_is_conserved )

@@ -6,10 +6,6 @@
 #include "support/rooms.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define TRIALS 8192
 #define LINKS 8 // solutions looked at
 #define PARTICLES 400000
@@ -107,7 +103,7 @@ TEST( test_repeated_trials_are_one_over_the_probability )
     static RfVertexLanes v;
     static RfConnectionLanes out;
     static RfConnectionWork work;
-    RfScene scene = make_mirror_room( GLASS_BALL );
+    AUTO_SCENE scene = make_mirror_room( GLASS_BALL );
     static LightPathSet s;
     draw_light_path_set( &scene, 64, 64, &s );
     RfLightPathConnector connector = rf_make_connector( s.paths, RF_KERNEL_EXACT, &s.path, &out );
@@ -136,7 +132,6 @@ TEST( test_repeated_trials_are_one_over_the_probability )
     assert_int_equal( connections, LINKS );
     assert_true( uncertain > 0 );
     free_light_path_set( &s );
-    rf_destroy_scene( &scene );
 }
 
 // A camera vertex where a particle landed, facing its VPL, and the connection between them.
@@ -218,7 +213,7 @@ TEST( test_trials_of_vpls_are_one_over_the_probability )
     static RfConnectionLanes out;
     static RfConnectionWork work;
     static RfWavefront keys;
-    RfScene scene = make_mirror_room( GLASS_BALL );
+    AUTO_SCENE scene = make_mirror_room( GLASS_BALL );
     static LightPathSet s;
     draw_light_path_set( &scene, 64, 64, &s );
     RfLightPathConnector connector = rf_make_connector( s.paths, RF_KERNEL_EXACT, &s.path, &out );
@@ -245,5 +240,4 @@ TEST( test_trials_of_vpls_are_one_over_the_probability )
     assert_int_equal( connections, LINKS );
     assert_true( uncertain > 0 );
     free_light_path_set( &s );
-    rf_destroy_scene( &scene );
 }

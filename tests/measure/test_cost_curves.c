@@ -9,10 +9,6 @@
 #include "reuse/tile/tile.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define MOST_EYES 30
 #define WIDTH 16
@@ -229,7 +225,7 @@ TEST( test_command_says_what_json_says )
     size_t size;
     char* text = cli_read( "c.json", &size );
     json_error_t fault;
-    json_t* json = json_loadb( text, size, 0, &fault );
+    json_auto_t* json = json_loadb( text, size, 0, &fault );
     assert_non_null( json );
     json_t* rows = json_object_get( json, "rows" );
     size_t count = json_array_size( rows );
@@ -254,10 +250,8 @@ TEST( test_command_says_what_json_says )
     json_t *dear = json_array_get( wanted, 0 ), *cheap = json_array_get( wanted, 1 );
     assert_true( json_integer_value( json_object_get( json_object_get( dear, "plain" ), "spp" ) ) >
                  json_integer_value( json_object_get( json_object_get( cheap, "plain" ), "spp" ) ) );
-    char* table = cli_read( "c.txt", &size );
+    AUTO_FREE char* table = cli_read( "c.txt", &size );
     cli_expect_verdict( table, json, "groups of 3 and 3x3 tiles: " );
-    free( table );
-    json_decref( json );
     free( text );
     text = cli_read( "c.svg", &size );
     assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "group 1, tile 3x3" ) != NULL );

@@ -6,9 +6,6 @@
 
 #include "base/random.h"
 
-#include <math.h>
-#include <stdint.h>
-
 static void near( double value, double wanted, double tolerance )
 {
     if ( !( fabs( value - wanted ) <= tolerance ) )

@@ -4,8 +4,6 @@
 
 #include "scene/projection.h"
 
-#include <stdlib.h>
-
 #define WIDTH 320
 #define HEIGHT 180
 #define FRAMES 3

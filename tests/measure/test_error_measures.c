@@ -4,8 +4,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static RfImage make_constant( int width, int height, float value )
 {
     RfImage image;
@@ -34,16 +32,15 @@ static void check_near( double value, double wanted ) { check_within( value, wan
 
 TEST( test_identical_images_have_no_error )
 {
-    RfImage image = make_image( 50, 40, 4 );
+    AUTO_IMAGE image = make_image( 50, 40, 4 );
     RfErrorMetrics metrics = measure( &image, &image );
     assert_true( metrics.relmse == 0.0 && metrics.relmse_trimmed == 0.0 && metrics.mse == 0.0 );
     assert_true( metrics.bias == 0.0 && metrics.bias_low == 0.0 && metrics.bias_high == 0.0 && metrics.max == 0.0 );
-    rf_destroy_image( &image );
 }
 
 TEST( test_constant_offset )
 {
-    RfImage reference = make_constant( 33, 21, 0.5f ), image = make_constant( 33, 21, 0.75f );
+    AUTO_IMAGE reference = make_constant( 33, 21, 0.5f ), image = make_constant( 33, 21, 0.75f );
     RfErrorMetrics metrics = measure( &image, &reference );
     check_near( metrics.relmse, 3.0 * 0.0625 / 0.251 );
     check_near( metrics.relmse_trimmed, metrics.relmse );
@@ -53,8 +50,6 @@ TEST( test_constant_offset )
     check_near( metrics.bias_high, 0.25 );
     check_near( metrics.max, 0.25 );
     check_near( measure( &reference, &image ).bias, -0.25 );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 static int near_to( int place, int size ) { return place < 0 ? 0 : place < size ? place : size - 1; }
@@ -93,7 +88,7 @@ static double plain_denominator( const RfImage* image, int x, int y )
 // The mean of the reference's channels divides, and the sum goes over channels.
 TEST( test_known_pixel_by_hand )
 {
-    RfImage reference = make_constant( 1, 1, 0.0f ), image = make_constant( 1, 1, 1.0f );
+    AUTO_IMAGE reference = make_constant( 1, 1, 0.0f ), image = make_constant( 1, 1, 1.0f );
     reference.rgb[0] = 3.0f; // r̄ = 1; differences −2, 1, 1
     RfErrorMetrics metrics = measure( &image, &reference );
     check_near( metrics.relmse, 6.0 / 1.001 );
@@ -101,19 +96,16 @@ TEST( test_known_pixel_by_hand )
     check_near( metrics.bias, 0.0 );
     check_near( metrics.max, 2.0 );
     assert_true( isnan( metrics.bias_low ) && isnan( metrics.bias_high ) ); // one block has no spread
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 // A picture with one pixel that is off, by 1 in each channel.
 static double relmse_of_one( RfImage* reference, int pixel )
 {
-    RfImage image = make_constant( reference->width, reference->height, 0.0f );
+    AUTO_IMAGE image = make_constant( reference->width, reference->height, 0.0f );
     int pixels = image.width * image.height;
     for ( int i = 0; i < 3 * pixels; ++i )
         image.rgb[i] = reference->rgb[i] + ( i / 3 == pixel ? 1.0f : 0.0f );
     double relmse = pixels * measure( &image, reference ).relmse;
-    rf_destroy_image( &image );
     return relmse;
 }
 
@@ -155,12 +147,11 @@ TEST( test_denominators_by_hand )
     {
         static const int sizes[][2] = { { 33, 31 }, { 64, 3 }, { 70, 34 }, { 5, 67 } };
         int width = sizes[k][0], height = sizes[k][1], pixels = width * height;
-        double* below = malloc( (size_t)pixels * sizeof *below );
+        AUTO_FREE double* below = malloc( (size_t)pixels * sizeof *below );
         reference = make_image( width, height, 20 + (unsigned)k );
         rf_relmse_denominators( reference.rgb, width, height, below );
         for ( int i = 0; i < pixels; ++i )
             check_within( below[i], plain_denominator( &reference, i % width, i / width ), 1e-10 );
-        free( below );
         rf_destroy_image( &reference );
     }
 }
@@ -196,7 +187,7 @@ TEST( test_measures_scale )
 // that it swallows the rest in a sum; 999 pixels: none is.
 TEST( test_trimmed_leaves_out_the_worst )
 {
-    RfImage reference = make_constant( 50, 40, 0.0f ), image = make_constant( 50, 40, 0.0f );
+    AUTO_IMAGE reference = make_constant( 50, 40, 0.0f ), image = make_constant( 50, 40, 0.0f );
     for ( int i = 0; i < 2000; ++i )
         image.rgb[3 * i] = 1.0f;
     image.rgb[3 * 700] = 1e15f;
@@ -206,14 +197,10 @@ TEST( test_trimmed_leaves_out_the_worst )
     assert_true( metrics.relmse > 1e29 );
     image.rgb[5] = 2.0f; // third: stays in
     check_near( measure( &image, &reference ).relmse_trimmed, 1000.0 * ( 1997.0 + 5.0 ) / 1998.0 );
-    RfImage small = make_constant( 37, 27, 0.0f ), black = make_constant( 37, 27, 0.0f );
+    AUTO_IMAGE small = make_constant( 37, 27, 0.0f ), black = make_constant( 37, 27, 0.0f );
     small.rgb[0] = 1.0f;
     metrics = measure( &small, &black );
     check_near( metrics.relmse_trimmed, metrics.relmse );
-    rf_destroy_image( &small );
-    rf_destroy_image( &black );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 static int descending( const void* a, const void* b )
@@ -229,8 +216,8 @@ TEST( test_trimmed_heap_is_a_sort )
     {
         PIXELS = 200 * 150
     };
-    RfImage reference = make_image( 200, 150, 8 ), image = make_image( 200, 150, 9 );
-    double* values = malloc( PIXELS * sizeof( double ) );
+    AUTO_IMAGE reference = make_image( 200, 150, 8 ), image = make_image( 200, 150, 9 );
+    AUTO_FREE double* values = malloc( PIXELS * sizeof( double ) );
     assert_non_null( values );
     for ( int i = 0; i < PIXELS; ++i )
     {
@@ -246,9 +233,6 @@ TEST( test_trimmed_heap_is_a_sort )
         kept += values[i];
     double wanted = kept / ( PIXELS - 30 );
     assert_true( fabs( measure( &image, &reference ).relmse_trimmed - wanted ) < 1e-10 * wanted );
-    free( values );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 TEST( test_pixels_not_finite_are_counted )
@@ -280,9 +264,9 @@ TEST( test_pixels_not_finite_are_counted )
 // Frames pooled give what one picture of them all would.
 TEST( test_pooled_frames_are_one_picture )
 {
-    RfImage reference = make_constant( 48, 96, 0.5f ), image = make_image( 48, 96, 6 ); // frames have borders of their own
+    AUTO_IMAGE reference = make_constant( 48, 96, 0.5f ), image = make_image( 48, 96, 6 ); // frames have borders of their own
     RfErrorMetrics whole = measure( &image, &reference );
-    RfErrorSummary summary;
+    AUTO_BY( rf_destroy_summary ) RfErrorSummary summary;
     assert_int_equal( rf_create_summary( 48, 32, 3, &summary, NULL ), RF_OK );
     for ( int frame = 0; frame < 3; ++frame )
     {
@@ -295,9 +279,6 @@ TEST( test_pooled_frames_are_one_picture )
     assert_int_equal( pooled.worst.frame * 32 + pooled.worst.y, whole.worst.y );
     assert_int_equal( pooled.worst.x, whole.worst.x );
     assert_int_equal( rf_summary_add( &summary, &image, &reference, NULL ), RF_ERROR_FORMAT );
-    rf_destroy_summary( &summary );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 // Noise about a known bias: the interval holds it in about 95 % of the trials.
@@ -310,7 +291,7 @@ TEST( test_bias_interval_covers )
         WIDTH = 100,
         HEIGHT = 70
     }; // blocks at the borders are smaller
-    RfImage reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
+    AUTO_IMAGE reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
     uint32_t seed = 99;
     int held = 0;
     for ( int trial = 0; trial < TRIALS; ++trial )
@@ -326,15 +307,13 @@ TEST( test_bias_interval_covers )
     }
     print_message( "the interval held the bias in %d of %d trials\n", held, TRIALS );
     assert_in_range( held, TRIALS * 90 / 100, TRIALS * 99 / 100 );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 // Two blocks of 16x16 whose errors are 0 and 1: the mean is 1/2, the variance of the
 // mean (1/4 + 1/4) / 1 / 2 = 1/4, and Student's t of one degree of freedom is 12.706.
 TEST( test_interval_closed_form )
 {
-    RfImage reference = make_constant( 32, 16, 1.0f ), image = make_constant( 32, 16, 1.0f );
+    AUTO_IMAGE reference = make_constant( 32, 16, 1.0f ), image = make_constant( 32, 16, 1.0f );
     for ( int y = 0; y < 16; ++y )
     {
         for ( int i = 0; i < 48; ++i )
@@ -344,13 +323,9 @@ TEST( test_interval_closed_form )
     check_near( metrics.bias, 0.5 );
     check_near( metrics.bias_high - metrics.bias, 12.7062 * 0.5 );
     check_near( metrics.reference_mean, 1.0 );
-    RfImage block = make_constant( 16, 16, 2.0f ), ones = make_constant( 16, 16, 1.0f );
+    AUTO_IMAGE block = make_constant( 16, 16, 2.0f ), ones = make_constant( 16, 16, 1.0f );
     metrics = measure( &block, &ones );
     assert_true( metrics.bias == 1.0 && isnan( metrics.bias_low ) && isnan( metrics.bias_high ) );
-    rf_destroy_image( &block );
-    rf_destroy_image( &ones );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 // Against printed tables.
@@ -372,7 +347,7 @@ TEST( test_student_by_tables )
 
 TEST( test_worst_pixel_is_found )
 {
-    RfImage reference = make_constant( 20, 10, 2.0f ), image = make_constant( 20, 10, 2.0f );
+    AUTO_IMAGE reference = make_constant( 20, 10, 2.0f ), image = make_constant( 20, 10, 2.0f );
     RfErrorMetrics metrics = measure( &image, &reference );
     assert_int_equal( metrics.worst.frame, -1 );
     image.rgb[3 * ( 7 * 20 + 13 ) + 1] = 5.0f; // off by 3
@@ -383,16 +358,14 @@ TEST( test_worst_pixel_is_found )
     metrics = measure( &image, &reference );
     assert_true( metrics.worst.frame == 0 && metrics.worst.x == 13 && metrics.worst.y == 7 );
     check_near( metrics.worst.relative, 9.0 / 4.001 );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 // Frames with the same error are one observation, whatever their number.
 TEST( test_frozen_frames_count_once )
 {
-    RfImage reference = make_image( 96, 80, 11 ), image = make_image( 96, 80, 12 );
+    AUTO_IMAGE reference = make_image( 96, 80, 11 ), image = make_image( 96, 80, 12 );
     RfErrorMetrics one = measure( &image, &reference );
-    RfErrorSummary summary;
+    AUTO_BY( rf_destroy_summary ) RfErrorSummary summary;
     assert_int_equal( rf_create_summary( 96, 80, 9, &summary, NULL ), RF_OK );
     for ( int frame = 0; frame < 9; ++frame )
         assert_int_equal( rf_summary_add( &summary, &image, &reference, NULL ), RF_OK );
@@ -402,9 +375,6 @@ TEST( test_frozen_frames_count_once )
     assert_true( fabs( all.bias_high - all.bias - margin ) < 1e-9 * margin );
     assert_true( fabs( all.relmse - one.relmse ) < 1e-12 * one.relmse );
     assert_int_equal( all.worst.frame, 0 );
-    rf_destroy_summary( &summary );
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
 }
 
 static RfErrorMetrics measure_order( const RfImage* images, const RfImage* reference, const int* order, int count )
@@ -453,7 +423,7 @@ static int count_held( int trials, int shift, bool smooth )
         CANVAS = WIDTH + 7 * 24 + 24
     };
     static float canvas[HEIGHT * CANVAS];
-    RfImage reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
+    AUTO_IMAGE reference = make_constant( WIDTH, HEIGHT, 1.0f ), image = make_constant( WIDTH, HEIGHT, 0.0f );
     uint32_t seed = 4321u + (uint32_t)shift;
     int held = 0;
     for ( int trial = 0; trial < trials; ++trial )
@@ -467,7 +437,7 @@ static int count_held( int trials, int shift, bool smooth )
                 sum += canvas[i + k];
             canvas[i] = sum;
         }
-        RfErrorSummary summary;
+        AUTO_BY( rf_destroy_summary ) RfErrorSummary summary;
         assert_int_equal( rf_create_summary( WIDTH, HEIGHT, FRAMES, &summary, NULL ), RF_OK );
         for ( int frame = 0; frame < FRAMES; ++frame )
         {
@@ -480,10 +450,7 @@ static int count_held( int trials, int shift, bool smooth )
         }
         RfErrorMetrics metrics = rf_summary_metrics( &summary );
         held += metrics.bias_low <= 0.0 && 0.0 <= metrics.bias_high;
-        rf_destroy_summary( &summary );
     }
-    rf_destroy_image( &image );
-    rf_destroy_image( &reference );
     print_message( "shift %d%s: the interval held the bias in %d of %d trials\n", shift, smooth ? ", smooth" : "", held, trials );
     return held;
 }

@@ -2,8 +2,6 @@
 #include "support/frame_files.h"
 #include "support/test.h"
 
-#include <math.h>
-
 // e_t = ρ e_{t−1} + sqrt(1 − ρ²) n_t has variance 1 and correlation ρ: φ = 1 − ρ
 // and F1 = sqrt(2 (1 − ρ)). The correlation of 9216 values has a standard
 // deviation of (1 − ρ²) / 96, and the frames' are independent.
@@ -45,7 +43,7 @@ TEST( test_correlated_noise )
 // Equal errors 0, opposite ones 2, no error at all 0.
 TEST( test_frozen_and_alternating )
 {
-    RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
     RfFlickerMetrics m = measured( &b, &a, false, true );
     assert_true( m.f1 == 0.0 && m.phi == 0.0 && m.mse == 0.0 );
     fill_noise( &a, 5, 1.0f );
@@ -60,14 +58,12 @@ TEST( test_frozen_and_alternating )
     m = measured( &b, &a, false, false ); // pictures: the size of the error is not known
     assert_true( isnan( m.phi ) && isnan( m.mse ) );
     check_near( m.f1 * m.f1, 4.0 * measured( &a, &a, false, true ).mse, 1e-12 );
-    rf_destroy_flicker_frame( &a );
-    rf_destroy_flicker_frame( &b );
 }
 
 // The definition summed naively; scaling; the order of the two frames.
 TEST( test_definition_scaling_and_symmetry )
 {
-    RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 ), c = make_frame( 3 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 ), c = make_frame( 3 );
     fill_noise( &a, 11, 1.0f );
     fill_noise( &b, 12, 0.25f );
     fill_noise( &c, 13, 3.0f );
@@ -100,9 +96,6 @@ TEST( test_definition_scaling_and_symmetry )
     a.is_finite = false;
     scaled = measured( &b, &a, false, true );
     assert_true( isnan( scaled.f1 ) && isnan( scaled.phi ) );
-    rf_destroy_flicker_frame( &a );
-    rf_destroy_flicker_frame( &b );
-    rf_destroy_flicker_frame( &c );
 }
 
 // A texture that moved by whole pixels: nothing is left along the motion, and what
@@ -114,7 +107,7 @@ TEST( test_whole_shifts_leave_nothing )
         RIGHT = 5,
         DOWN = 3
     };
-    RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     fill_noise( &before, 3, 1.0f );
     fill_noise( &now, 4, 1.0f );
     for ( int y = DOWN; y < HEIGHT; ++y )
@@ -133,8 +126,6 @@ TEST( test_whole_shifts_leave_nothing )
     set_motion( &now, NAN, 0.0f );
     m = measured( &now, &before, true, false );
     assert_true( m.coverage == 0.0 && isnan( m.f1 ) && isnan( m.phi ) );
-    rf_destroy_flicker_frame( &before );
-    rf_destroy_flicker_frame( &now );
 }
 
 // x² + y² moved by (u, v) of a pixel: linear interpolation is too large by
@@ -142,7 +133,7 @@ TEST( test_whole_shifts_leave_nothing )
 TEST( test_shifts_of_parts_of_a_pixel )
 {
     static const float shifts[][2] = { { 0.5f, 0.0f }, { 0.25f, 0.0f }, { 0.0f, 0.75f }, { 0.25f, 0.5f } };
-    RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     for ( size_t k = 0; k < sizeof shifts / sizeof shifts[0]; ++k )
     {
         float u = shifts[k][0], v = shifts[k][1];
@@ -159,15 +150,13 @@ TEST( test_shifts_of_parts_of_a_pixel )
         check_near( m.coverage, (double)( wide * high ) / PIXELS, 1e-15 );
         check_near( m.motion, hypot( u, v ), 1e-6 );
     }
-    rf_destroy_flicker_frame( &before );
-    rf_destroy_flicker_frame( &now );
 }
 
 // Between pixels independent noise is smaller, and φ stays 1: with the error
 // itself, and with the variance of a picture. Mean of two: σ² (1 + 1/2).
 TEST( test_noise_between_pixels )
 {
-    RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     fill_noise( &before, 21, 0.5f );
     fill_noise( &now, 22, 0.5f );
     set_motion( &now, 0.5f, 0.0f );
@@ -187,8 +176,6 @@ TEST( test_noise_between_pixels )
     check_near( m.phi, 1.0, 6.0 * deviation );
     before.variance.rgb[77] = INFINITY; // no number, no φ
     assert_true( isnan( measured( &now, &before, true, false ).phi ) );
-    rf_destroy_flicker_frame( &before );
-    rf_destroy_flicker_frame( &now );
 }
 
 // A square in front of a wall, 1 m before 4 m, moves 6 pixels to the right over it.
@@ -202,7 +189,7 @@ TEST( test_depth_takes_out_what_is_uncovered )
         TOP = 12,
         SHIFT = 6
     };
-    RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     RfFlickerFrame* frames[2] = { &before, &now };
     set_motion( &now, 0.0f, 0.0f );
     for ( int k = 0; k < 2; ++k )
@@ -241,8 +228,6 @@ TEST( test_depth_takes_out_what_is_uncovered )
     for ( int i = 0; i < PIXELS; ++i )
         now.depth[i] = 4.0f * 1.03f; // beyond 2 %
     assert_true( measured( &now, &before, true, false ).coverage == 0.0 );
-    rf_destroy_flicker_frame( &before );
-    rf_destroy_flicker_frame( &now );
 }
 
 // A camera with any axes and position: rows of x·z, y·z, z.
@@ -267,7 +252,7 @@ static void set_camera( RfFlickerFrame* frame, uint32_t seed, double forward )
 // The expected depth against the points themselves, and a dolly of 10 % a frame.
 TEST( test_expected_depth_of_a_dolly )
 {
-    RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame before = make_frame( 1 ), now = make_frame( 2 );
     set_camera( &before, 1, 0.0 );
     set_camera( &now, 4, 0.5 );
     RfFollow follow = rf_follow( &now, &before, true );
@@ -293,13 +278,11 @@ TEST( test_expected_depth_of_a_dolly )
     assert_true( measured( &now, &before, true, false ).coverage == 1.0 );
     before.has_camera = false;
     assert_true( measured( &now, &before, true, false ).coverage == 0.0 );
-    rf_destroy_flicker_frame( &before );
-    rf_destroy_flicker_frame( &now );
 }
 
 TEST( test_wrong_input_is_refused )
 {
-    RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
     RfFlickerSums sums;
     RfError error;
     assert_int_equal( rf_measure_flicker( &b, &a, true, false, &sums, &error ), RF_ERROR_USAGE );
@@ -307,6 +290,4 @@ TEST( test_wrong_input_is_refused )
     assert_int_equal( rf_measure_flicker( &b, &a, false, false, &sums, &error ), RF_ERROR_FORMAT );
     assert_non_null( strstr( error.text, "64x47" ) );
     b.signal.height += 1;
-    rf_destroy_flicker_frame( &a );
-    rf_destroy_flicker_frame( &b );
 }

@@ -5,11 +5,6 @@
 #include "support/scene_builder.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define EYES 5
 #define WIDTH 160
 #define HEIGHT 120
@@ -80,10 +75,10 @@ static void check_pieces( float degrees, int group, const char* tile, RfFilter f
     begin( &s, degrees, PIXELS, filter != RF_FILTER_BOX );
     RfRenderSettings settings = settings_of( group, tile, 7 );
     settings.filter = filter;
-    Rendered whole = render_frames( s.tracer, s.eyes, EYES, s.frames, EYES, &settings );
+    AUTO_BY( free_rendered ) Rendered whole = render_frames( s.tracer, s.eyes, EYES, s.frames, EYES, &settings );
     RfPieces pieces = rf_pieces_from( &s.pieces, 0 );
     settings.pieces = &pieces;
-    Rendered part = render_frames( s.tracer, s.eyes, EYES, s.frames, EYES, &settings );
+    AUTO_BY( free_rendered ) Rendered part = render_frames( s.tracer, s.eyes, EYES, s.frames, EYES, &settings );
     int values, differ;
     compare( &s, &whole, &part, &values, &differ );
     double traced = (double)part.stats.rays.primary / (double)whole.stats.rays.primary;
@@ -92,8 +87,6 @@ static void check_pieces( float degrees, int group, const char* tile, RfFilter f
     assert_true( values > ( filter == RF_FILTER_BOX ? 3 : 2 ) * 1000 * EYES && differ <= values / 100 );
     assert_true( traced < ( filter == RF_FILTER_BOX ? 0.4 : 0.6 ) );
     assert_true( group > 0 || differ == 0 );
-    free_rendered( &whole );
-    free_rendered( &part );
     end( &s );
 }
 
@@ -138,7 +131,7 @@ TEST( test_pieces_are_spread )
 static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial trials[2] )
 {
     RfRenderSettings settings = settings_of( 0, "1", seed );
-    RfTestRegion region;
+    AUTO_BY( rf_destroy_test_region ) RfTestRegion region;
     RfError error;
     settings.threads = 1;
     RfShot shot = { s->tracer, s->eyes, EYES, NULL, 0 };
@@ -152,7 +145,6 @@ static void try_both( const Setup* s, double pixels, uint64_t seed, RfTrial tria
         trials[reuse].cpu_seconds = trials[reuse].timed_samples; // a busy machine's times are not what is tested
         trials[reuse].time_noise = 0.0;
     }
-    rf_destroy_test_region( &region );
 }
 
 // In the mean over seeds, each with other pieces, trials find the error of the whole pictures, and their intervals hold the

@@ -3,12 +3,6 @@
 #include "support/test.h"
 #include "measure/plot.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static char* draw( const RfPlot* plot )
 {
     size_t size;
@@ -78,7 +72,7 @@ TEST( test_places_on_paper )
     RfPlot plot = {
         .title = "t", .x = { "x", true, 1.0, 100.0 }, .y = { "y", false, 0.0, 10.0 }, .series = &series, .series_count = 1
     };
-    char* svg = draw( &plot );
+    AUTO_FREE char* svg = draw( &plot );
     assert_int_equal( count( svg, "<circle" ), 3 + 1 ); // outside and without a number: none; one in the legend
     double at[3][2];
     const char* c = svg;
@@ -90,7 +84,6 @@ TEST( test_places_on_paper )
     }
     assert_true( at[0][0] < at[1][0] && at[0][1] > at[1][1] );
     assert_true( fabs( at[0][0] + at[2][0] - 2.0 * at[1][0] ) < 0.3 && fabs( at[0][1] + at[2][1] - 2.0 * at[1][1] ) < 0.3 );
-    free( svg );
 }
 
 TEST( test_series_gaps_and_notes_are_drawn )
@@ -106,7 +99,7 @@ TEST( test_series_gaps_and_notes_are_drawn )
                     .series_count = 2,
                     .notes = &note,
                     .note_count = 1 };
-    char* svg = draw( &plot );
+    AUTO_FREE char* svg = draw( &plot );
     const char* curve = strstr( svg, "clip-path=\"url(#plot)\"" );
     assert_non_null( curve );
     assert_int_equal( count( svg, ">best</text>" ), 1 );
@@ -120,7 +113,6 @@ TEST( test_series_gaps_and_notes_are_drawn )
     snprintf( line, sizeof line, "%.*s", (int)( curve - start ), start );
     assert_true( count( line, "M" ) == 2 && count( line, "L" ) == 2 );
     expect_well_formed( svg );
-    free( svg );
 }
 
 TEST( test_any_text_is_valid_xml )
@@ -164,11 +156,10 @@ TEST( test_nothing_to_plot )
         RfPlot plot = {
             .title = "empty", .x = { "x", true, 0, 0 }, .y = { "y", false, 0, 0 }, .series = &series, .series_count = n
         };
-        char* svg = draw( &plot );
+        AUTO_FREE char* svg = draw( &plot );
         assert_null( strstr( svg, "nan" ) );
         assert_null( strstr( svg, "inf" ) );
         expect_well_formed( svg );
-        free( svg );
     }
 }
 

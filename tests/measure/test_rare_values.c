@@ -3,10 +3,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-
 #define ACROSS 16
 #define DOWN 12
 #define PLACES ( ACROSS * DOWN )

@@ -3,7 +3,6 @@
 #include "support/test.h"
 #include "measure/flicker.h"
 
-#include <math.h>
 #include <omp.h>
 
 typedef struct Film
@@ -181,7 +180,7 @@ TEST( test_slit_scan_is_a_column_over_time )
     RfSlitScan scan;
     assert_int_equal( rf_create_slit_scan( 200, HEIGHT, 2, &scan, NULL ), RF_OK );
     assert_true( scan.repeat == 3 && scan.image.width == 600 && scan.image.height == 2 * HEIGHT );
-    RfFlickerFrame frame = make_frame( 1 );
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame frame = make_frame( 1 );
     fill_noise( &frame, 6, 1.0f );
     rf_add_slit( &scan, 199, 1, &frame.signal, 17 );
     for ( int y = 0; y < HEIGHT; ++y )
@@ -195,5 +194,4 @@ TEST( test_slit_scan_is_a_column_over_time )
     assert_int_equal( rf_create_slit_scan( 481, HEIGHT, 1, &scan, NULL ), RF_OK );
     assert_true( scan.repeat == 1 && scan.image.width == 481 );
     rf_destroy_slit_scan( &scan );
-    rf_destroy_flicker_frame( &frame );
 }

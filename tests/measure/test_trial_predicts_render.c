@@ -6,12 +6,6 @@
 #include "support/scene_builder.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define EYES 17
 #define WIDTH 20
 #define HEIGHT 15
@@ -244,8 +238,8 @@ static Truth render_truth( const Setup* s, const RfRenderSettings* settings )
         RfRenderSettings a = *settings, b = *settings;
         a.seed = (uint64_t)( 100 + 2 * k );
         b.seed = (uint64_t)( 101 + 2 * k );
-        Rendered x = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &a );
-        Rendered y = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &b );
+        AUTO_BY( free_rendered ) Rendered x = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &a );
+        AUTO_BY( free_rendered ) Rendered y = render_frames( s->tracer, s->site.eyes, EYES, frames, 2, &b );
         for ( size_t i = 0; i < floats; ++i )
         {
             double d0 = (double)x.rgb[i] - (double)y.rgb[i], d1 = (double)x.rgb[floats + i] - (double)y.rgb[floats + i];
@@ -253,8 +247,6 @@ static Truth render_truth( const Setup* s, const RfRenderSettings* settings )
             square += 0.25 * ( d0 * d0 + d1 * d1 );
             step += 0.5 * ( d1 - d0 ) * ( d1 - d0 );
         }
-        free_rendered( &x );
-        free_rendered( &y );
     }
     double count = (double)floats * SEEDS;
     return ( Truth ){ relative / count * 3.0, sqrt( step / count ), step / ( 2.0 * square ) };
@@ -319,9 +311,8 @@ TEST( test_wrong_settings_are_refused )
     s.site.watch = &watch;
     assert_int_equal( rf_run_trial( &s.site, 1, 2, &settings, &trial, &error ), RF_ERROR_INTERRUPTED );
     assert_int_equal( calls, 1 );
-    RfTestRegion region;
+    AUTO_BY( rf_destroy_test_region ) RfTestRegion region;
     RfTestSite site = { 7, 5, WIDTH * HEIGHT };
     assert_int_equal( rf_create_test_region( &s.site.shot, &watch, &site, &settings, &region, &error ), RF_ERROR_INTERRUPTED );
-    rf_destroy_test_region( &region );
     end( &s );
 }

@@ -4,12 +4,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 TEST( test_every_setting_is_a_row )
 {
     static const int paths[][2] = { { 1, 1 }, { 2, 2 }, { 5, 3 }, { 6, 4 }, { 48, 9 } };
@@ -43,7 +37,7 @@ TEST( test_every_setting_is_a_row )
 // What does not fit, or would take far more samples than were asked for, is said.
 TEST( test_excluded_rows_say_why )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     RfTune tune = { 0 };
     RfRenderSettings common;
     RfError error;
@@ -68,7 +62,6 @@ TEST( test_excluded_rows_say_why )
     s.settings.memory = least - 1024;
     assert_int_equal( rf_list_tune_rows( &s.job, &tune, &common, &error ), RF_ERROR_MEMORY );
     assert_true( error.remedy == RF_REMEDY_MEMORY && error.least_memory == least );
-    end_tune_setup( &s );
 }
 
 static RfTrial made_trial( double relmse, double seconds )

@@ -2,12 +2,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static RfTune tune_of( const TuneSetup* s )
 {
     RfTune tune;
@@ -20,7 +14,7 @@ static RfTune tune_of( const TuneSetup* s )
 // Without time there is the first round, whose errors are the same for any threads.
 TEST( test_first_round_is_repeatable )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     RfTune one = tune_of( &s );
     s.settings.threads = 1;
@@ -40,7 +34,6 @@ TEST( test_first_round_is_repeatable )
     }
     // 7 frames that share their paths are better than each alone
     assert_true( one.rows[3].group == 3 && one.rows[3].relmse < 0.4 * one.rows[0].relmse && one.rows[3].phi < 0.5 );
-    end_tune_setup( &s );
 }
 
 // A camera that stands still, and the shortest path that does not.
@@ -48,13 +41,12 @@ TEST( test_short_paths_are_tuned )
 {
     for ( int eyes = 1; eyes <= 2; ++eyes )
     {
-        TuneSetup s;
+        AUTO_BY( end_tune_setup ) TuneSetup s;
         begin_tune_setup( &s, eyes, 8 );
         RfTune tune = tune_of( &s );
         assert_true( tune.count == eyes * RF_TUNE_TILES && tune.chosen >= 0 );
         for ( int r = 0; r < tune.count; ++r )
             assert_true( tune.rows[r].efficiency > 0.0 && tune.rows[r].eyes <= eyes );
-        end_tune_setup( &s );
     }
 }
 
@@ -82,7 +74,7 @@ static bool is_in_second( void* user )
 // small that the most places are tried long before the budget is gone.
 TEST( test_rounds_halve_the_settings )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     orbit_eyes( s.eyes, TUNE_EYES, 1.0f, 6, 4 );
     Halving halving = { 0 };
@@ -108,14 +100,13 @@ TEST( test_rounds_halve_the_settings )
     }
     assert_true( in_round[0] == halving.candidates[0] && in_round[1] == halving.candidates[1] && in_round[2] == 0 );
     assert_int_equal( tune.rows[tune.chosen].rounds, 2 );
-    end_tune_setup( &s );
 }
 
 // Where nothing fits, the least of all rows is named; with that, and with any budget
 // above, the tuning runs, though its guide would take more. With less it does not.
 TEST( test_named_least_budget_works )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     RfTune tune;
     RfError error;
     begin_tune_setup( &s, 5, 10 );
@@ -144,7 +135,6 @@ TEST( test_named_least_budget_works )
                          ( tune.rows[r].rounds > 0 ) == ( tune.rows[r].excluded == NULL ) );
         assert_true( k < 4 || tune_rows_tried( &tune ) == tune.count );
     }
-    end_tune_setup( &s );
 }
 
 typedef struct Stop
@@ -167,7 +157,7 @@ static void count_round( void* user, const RfTune* tune, const RfTuneRound* roun
 
 TEST( test_interruption_after_any_round )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     begin_tune_setup( &s, 7, 14 );
     for ( int wanted = 0; wanted < 3; ++wanted )
     {
@@ -186,13 +176,12 @@ TEST( test_interruption_after_any_round )
         if ( wanted == 2 )
             break;
     }
-    end_tune_setup( &s );
 }
 
 // Nothing to see: no error to compare.
 TEST( test_black_pictures_cannot_be_compared )
 {
-    TuneSetup s;
+    AUTO_BY( end_tune_setup ) TuneSetup s;
     begin_tune_setup( &s, 2, 4 );
     for ( int i = 0; i < 2; ++i )
         s.eyes[i].origin = rf_vec3( 100.0f, 100.0f, 100.0f );
@@ -200,5 +189,4 @@ TEST( test_black_pictures_cannot_be_compared )
     RfError error;
     assert_int_equal( rf_tune( &s.job, &tune, &error ), RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "black" ) );
-    end_tune_setup( &s );
 }

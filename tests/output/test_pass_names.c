@@ -3,8 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <string.h>
-
 typedef struct Pass
 {
     const char* name;

@@ -3,9 +3,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 // "HH:MM:SS:FF", ";" where it drops, "." before the second of a pair.
 static void format( uint32_t packed, char text[16] )
 {

@@ -6,8 +6,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static RfImage new_image( int width, int height )
 {
     RfImage image;
@@ -81,11 +79,11 @@ static int display( double light, int stops )
 // a band would be: the steps of a plain 8-bit logarithm of 26 stops are 8 in the lights.
 TEST( test_ramps_show_no_bands )
 {
-    RfImage image = new_image( 600, 200 );
+    AUTO_IMAGE image = new_image( 600, 200 );
     for ( int i = 0; i < 3 * 600 * 200; ++i )
         image.rgb[i] = exp2f( -7.0f + ( (float)( i / 3 % 600 ) + 0.3f * (float)( i / 1800 ) ) / 55.0f + 0.3f * (float)( i % 3 ) );
     size_t size;
-    RfImage back = through( &image, &size );
+    AUTO_IMAGE back = through( &image, &size );
     for ( int stops = -4; stops <= 4; ++stops )
     {
         int most = 0, step = 0;
@@ -100,39 +98,35 @@ TEST( test_ramps_show_no_bands )
             fail_msg( "%d stops: a byte is off by %d, neighbours differ by %d", stops, most, step );
     }
     assert_true( size < 600 * 200 );
-    rf_destroy_image( &back );
-    rf_destroy_image( &image );
 }
 
 // Flat areas of any brightness come back to 1 %, whatever their neighbours are.
 TEST( test_flat_areas_come_back )
 {
     static const float levels[6] = { 0.0f, 0.01f, 0.18f, 1.0f, 40.0f, 60000.0f };
-    RfImage image = new_image( 6 * 64, 64 );
+    AUTO_IMAGE image = new_image( 6 * 64, 64 );
     for ( int i = 0; i < 3 * 6 * 64 * 64; ++i )
         image.rgb[i] = levels[i / 3 % ( 6 * 64 ) / 64];
     size_t size;
-    RfImage back = through( &image, &size );
+    AUTO_IMAGE back = through( &image, &size );
     for ( int k = 0; k < 6; ++k )
     {
         float found = back.rgb[3 * ( 32 * 6 * 64 + k * 64 + 32 )];
         if ( !( fabsf( found - levels[k] ) <= 0.01f * levels[k] + 1e-4f ) )
             fail_msg( "%g came back as %g", levels[k], found );
     }
-    rf_destroy_image( &back );
-    rf_destroy_image( &image );
 }
 
 // A firefly does not spoil what is about it, and stays bright.
 TEST( test_fireflies_spoil_no_neighbour )
 {
-    RfImage image = new_image( 100, 70 );
+    AUTO_IMAGE image = new_image( 100, 70 );
     for ( int i = 0; i < 3 * 7000; ++i )
         image.rgb[i] = 0.25f;
     for ( int c = 0; c < 3; ++c )
         image.rgb[3 * ( 35 * 100 + 50 ) + c] = 5000.0f;
     size_t size;
-    RfImage back = through( &image, &size );
+    AUTO_IMAGE back = through( &image, &size );
     assert_true( back.rgb[3 * ( 35 * 100 + 50 )] > 500.0f );
     double worst = 0.0;
     for ( int i = 0; i < 7000; ++i )
@@ -141,30 +135,26 @@ TEST( test_fireflies_spoil_no_neighbour )
             worst = fmax( worst, fabs( back.rgb[3 * i] / 0.25 - 1.0 ) );
     }
     assert_true( worst < 0.02 );
-    rf_destroy_image( &back );
-    rf_destroy_image( &image );
 }
 
 // What is no number shows: magenta, brighter than white; infinity is the brightest.
 TEST( test_nan_and_infinity_show )
 {
-    RfImage image = new_image( 48, 48 );
+    AUTO_IMAGE image = new_image( 48, 48 );
     for ( int i = 0; i < 3 * 48 * 48; ++i )
         image.rgb[i] = i / 3 % 48 < 16 ? ( i % 3 == 1 ? NAN : -5.0f ) : i / 3 % 48 < 32 ? INFINITY : -INFINITY;
     size_t size;
-    RfImage back = through( &image, &size );
+    AUTO_IMAGE back = through( &image, &size );
     const float *nan = back.rgb + 3 * ( 24 * 48 + 4 ), *inf = back.rgb + 3 * ( 24 * 48 + 24 ),
                 *dark = back.rgb + 3 * ( 24 * 48 + 44 );
     assert_true( nan[0] > 8.0f && nan[1] < 0.1f && nan[2] > 8.0f );
     assert_true( inf[0] > 30000.0f && dark[0] < 0.01f );
-    rf_destroy_image( &back );
-    rf_destroy_image( &image );
 }
 
 // The worst of noise: 48 frames of 960x540 stay below 40 MB as base64.
 TEST( test_noise_stays_below_40_mb )
 {
-    RfImage image = make_image( 960, 540, 77 );
+    AUTO_IMAGE image = make_image( 960, 540, 77 );
     unsigned char* bytes;
     size_t size;
     assert_int_equal( rf_encode_picture( &image, RF_PICTURE_MAX_BITS, "noise", &bytes, &size, NULL ), RF_OK );
@@ -175,7 +165,6 @@ TEST( test_noise_stays_below_40_mb )
     if ( (double)size > 960.0 * 540.0 * 2.6 / 8.0 + 20000.0 )
         fail_msg( "%zu bytes, %.2f bits per pixel", size, 8.0 * (double)size / ( 960.0 * 540.0 ) );
     free( bytes );
-    rf_destroy_image( &image );
 }
 
 TEST( test_small_and_refused )
@@ -183,15 +172,13 @@ TEST( test_small_and_refused )
     static const int sizes[][2] = { { 1, 1 }, { 17, 1 }, { 1, 33 }, { 15, 16 }, { 16, 17 } };
     for ( size_t k = 0; k < sizeof sizes / sizeof sizes[0]; ++k )
     {
-        RfImage image = new_image( sizes[k][0], sizes[k][1] );
+        AUTO_IMAGE image = new_image( sizes[k][0], sizes[k][1] );
         for ( int i = 0; i < 3 * image.width * image.height; ++i )
             image.rgb[i] = 0.5f;
         size_t size;
-        RfImage back = through( &image, &size );
+        AUTO_IMAGE back = through( &image, &size );
         for ( int i = 0; i < 3 * image.width * image.height; ++i )
             assert_true( fabsf( back.rgb[i] - 0.5f ) < 0.005f );
-        rf_destroy_image( &back );
-        rf_destroy_image( &image );
     }
     unsigned char* bytes;
     size_t size;
@@ -203,7 +190,7 @@ TEST( test_small_and_refused )
 
 TEST( test_shrinking_takes_means )
 {
-    RfImage image = new_image( 5, 3 ), small;
+    AUTO_IMAGE image = new_image( 5, 3 ), small;
     for ( int i = 0; i < 45; ++i )
         image.rgb[i] = (float)( i / 3 );
     image.rgb[3 * 14] = NAN;
@@ -211,6 +198,4 @@ TEST( test_shrinking_takes_means )
     assert_true( small.width == 3 && small.height == 2 );
     assert_true( small.rgb[0] == 3.0f && small.rgb[3 * 2] == 6.5f && small.rgb[3 * 3] == 10.5f && isnan( small.rgb[3 * 5] ) &&
                  small.rgb[3 * 5 + 1] == 14.0f );
-    rf_destroy_image( &small );
-    rf_destroy_image( &image );
 }

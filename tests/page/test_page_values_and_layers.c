@@ -6,8 +6,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 static int get16( const unsigned char* bytes ) { return bytes[0] | bytes[1] << 8; }
 
 static float value_at( const unsigned char* bytes, int x, int y, int c )
@@ -27,11 +25,11 @@ static RfImage new_image( int width, int height )
 
 TEST( test_values_are_those_of_the_image )
 {
-    RfImage image = new_image( 7, 5 );
+    AUTO_IMAGE image = new_image( 7, 5 );
     image.rgb[0] = NAN;
     image.rgb[3] = INFINITY;
     image.rgb[6] = -1e9f;
-    unsigned char* bytes;
+    AUTO_FREE unsigned char* bytes;
     size_t size;
     assert_int_equal( rf_encode_values( &image, 1, "image", &bytes, &size, NULL ), RF_OK );
     assert_true( size == RF_VALUES_HEADER_BYTES + 6 * 35 && get16( bytes ) == 1 && get16( bytes + 2 ) == 7 &&
@@ -40,22 +38,18 @@ TEST( test_values_are_those_of_the_image )
                  value_at( bytes, 2, 0, 0 ) == -65504.0f );
     assert_true( value_at( bytes, 6, 4, 0 ) == 6.0f && value_at( bytes, 6, 4, 1 ) == -0.125f &&
                  value_at( bytes, 6, 4, 2 ) == 4.0f );
-    free( bytes );
-    rf_destroy_image( &image );
 }
 
 TEST( test_coarse_values_are_means )
 {
-    RfImage image = new_image( 7, 5 );
-    unsigned char* bytes;
+    AUTO_IMAGE image = new_image( 7, 5 );
+    AUTO_FREE unsigned char* bytes;
     size_t size;
     assert_int_equal( rf_encode_values( &image, 3, "image", &bytes, &size, NULL ), RF_OK );
     assert_true( get16( bytes ) == 3 && get16( bytes + 2 ) == 3 && get16( bytes + 4 ) == 2 &&
                  size == RF_VALUES_HEADER_BYTES + 36 );
     assert_true( value_at( bytes, 1, 0, 0 ) == 4.0f && value_at( bytes, 1, 0, 2 ) == 1.0f );
     assert_true( value_at( bytes, 2, 1, 0 ) == 6.0f && value_at( bytes, 2, 1, 2 ) == 3.5f ); // cropped to 1×2
-    free( bytes );
-    rf_destroy_image( &image );
 }
 
 // The factor is the smallest that fits.

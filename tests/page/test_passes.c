@@ -4,8 +4,6 @@
 #include "support/image_support.h"
 #include "support/test.h"
 
-#include <math.h>
-
 enum
 {
     SIDE = 4,
@@ -17,7 +15,7 @@ static const float s_values[PIXELS] = { 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 1
 // A file with colour and these channels.
 static void write_channels( const char* path, const char* const* names, int count )
 {
-    RfImage image;
+    AUTO_IMAGE image;
     assert_int_equal( rf_create_image( SIDE, SIDE, &image, NULL ), RF_OK );
     RfExrChannel channels[64];
     RfExrOptions options = rf_default_exr_options();
@@ -26,19 +24,17 @@ static void write_channels( const char* path, const char* const* names, int coun
     options.channels = channels;
     options.channel_count = count;
     assert_int_equal( rf_write_exr( path, &image, &options, NULL ), RF_OK );
-    rf_destroy_image( &image );
 }
 
 // The names of the passes of a file.
 static void list_names( const char* path, char* text, size_t size )
 {
-    RfExrHeader header;
+    AUTO_BY( rf_destroy_exr_header ) RfExrHeader header;
     RfFilePasses passes;
     assert_int_equal( rf_read_exr_header( path, NULL, &header, NULL ), RF_OK );
     assert_int_equal( rf_list_passes( &header, &passes, NULL ), RF_OK );
     rf_name_passes( &passes, text, size );
     rf_free_passes( &passes );
-    rf_destroy_exr_header( &header );
 }
 
 static void check_names( const char* path, const char* wanted )
@@ -65,7 +61,7 @@ TEST( test_names_of_reframe )
         "primal.variance",  "direct.R",
         "direct.G",         "direct.B",
     };
-    const char* path = temp_path( "r.exr" );
+    const char* path = cli_path( "r.exr" );
     write_channels( path, names, (int)( sizeof names / sizeof names[0] ) );
     // a dx without green and blue is none
     check_names( path, "normal, depth, motion, direct, alpha, light_key, CryptoObject, object_index, primal.variance" );
@@ -101,7 +97,7 @@ TEST( test_names_of_blender )
         "ViewLayer.CryptoAsset0.r",
         "ViewLayer.CryptoAsset0.g",
     };
-    const char* path = temp_path( "b.exr" );
+    const char* path = cli_path( "b.exr" );
     write_channels( path, names, (int)( sizeof names / sizeof names[0] ) );
     check_names( path, "albedo, denoise_albedo, depth, motion, alpha, light_at, CryptoAsset, Mist" );
     char layer[RF_PASS_LAYER_SIZE];
@@ -120,7 +116,7 @@ TEST( test_names_of_nuke )
         { .names = { "backward.u", "backward.v" }, .values = { 1, 2 }, .width = 8, .height = 4, .part = "backward" },
         { .names = { "forward.u", "forward.v" }, .values = { 3, 4 }, .width = 8, .height = 4, .part = "forward" },
     };
-    const char* path = temp_path( "n.exr" );
+    const char* path = cli_path( "n.exr" );
     write_foreign_exr( path, parts, (int)( sizeof parts / sizeof parts[0] ) );
     check_names( path, "motion" );
     char layer[RF_PASS_LAYER_SIZE];
@@ -138,14 +134,13 @@ TEST( test_parts )
         { .names = { "A", "B", "G", "R" }, .values = { 1, 1, 1, 1 }, .width = 8, .height = 4, .part = "CryptoObject01" },
         { .names = { "light_key.B", "light_key.G", "light_key.R" }, .values = { 1 }, .width = 8, .height = 4, .part = "again" },
     };
-    const char* path = temp_path( "p.exr" );
+    const char* path = cli_path( "p.exr" );
     write_foreign_exr( path, parts, (int)( sizeof parts / sizeof parts[0] ) );
     check_names( path, "depth, alpha, light_key, again.light_key, CryptoObject" );
     char layer[RF_PASS_LAYER_SIZE];
-    RfImage image;
+    AUTO_IMAGE image;
     RfExrWindow window;
     assert_int_equal( rf_read_exr_layer( path, rf_layer_of_file( path, "light_key", layer ), &image, &window, NULL ), RF_OK );
-    rf_destroy_image( &image );
 }
 
 static void draw( const char* name, RfLook look, int channels, const float* values, int pixels, float* rgb )
@@ -183,4 +178,4 @@ TEST( test_indices_and_signs )
     assert_true( rgb[1] < rgb[0] && rgb[0] < rgb[2] && rgb[3] == rgb[0] && isnan( rgb[5] ) );
 }
 
-SHARED_BY_TESTS( make_temp_folder, remove_temp_folder )
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

@@ -1,9 +1,9 @@
 // Cuts: each shot of a path is grouped and rendered as a path of its own, whatever lies on the other side.
 #include "measure/trial.h"
 #include "render/groups.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/rooms.h"
-#include "support/scene_builder.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -107,39 +107,39 @@ TEST( test_paths_without_cuts )
 #define SECOND 7
 #define ALL ( FIRST + SECOND )
 
-typedef struct Cut
+static void begin( Stage* s, RoomKind room, double shutter )
 {
-    RfScene scene;
-    RfTracer* tracer;
-    RfEye eyes[ALL];  // with the cut
-    RfEye other[ALL]; // with another first shot
-} Cut;
-
-static void begin( Cut* c, RoomKind room, double shutter )
-{
-    c->scene = make_room( room );
-    c->tracer = make_tracer( &c->scene );
-    orbit_eyes( c->eyes, FIRST, 4.0f, WIDTH, HEIGHT );
-    orbit_eyes( c->eyes + FIRST, SECOND, 2.0f, WIDTH, HEIGHT );
-    memcpy( c->other, c->eyes, sizeof c->eyes );
-    orbit_eyes( c->other, FIRST, 3.0f, WIDTH, HEIGHT );
+    open_stage( s, make_room( room ), FIRST, 4.0f, WIDTH, HEIGHT );
+    s->eye_count = ALL;
+    orbit_eyes( s->eyes + FIRST, SECOND, 2.0f, WIDTH, HEIGHT );
     for ( int i = 0; i < ALL; ++i )
     {
-        c->eyes[i].shot = c->other[i].shot = i >= FIRST ? 2 : 0;
-        RfEye open = c->eyes[i], close = open;
+        s->eyes[i].shot = i >= FIRST ? 2 : 0;
+        RfEye open = s->eyes[i], close = open;
         open.origin.y -= (float)shutter;
         close.origin.y += (float)shutter;
         if ( shutter > 0.0 )
-            rf_set_shutter( c->eyes + i, &open, &close );
-        if ( shutter > 0.0 && i >= FIRST )
-            c->other[i] = c->eyes[i];
+            rf_set_shutter( s->eyes + i, &open, &close );
     }
 }
 
-static void end( Cut* c )
+// The first shot alone; all with another first shot.
+static const RfFrameResult* render_first( Stage* s, const RfRenderSettings* settings )
 {
-    rf_destroy_tracer( c->tracer );
-    rf_destroy_scene( &c->scene );
+    s->eye_count = FIRST;
+    const RfFrameResult* first = render_stage( s, settings );
+    s->eye_count = ALL;
+    return first;
+}
+
+static const RfFrameResult* render_other( Stage* s, const RfRenderSettings* settings )
+{
+    RfEye eyes[FIRST];
+    memcpy( eyes, s->eyes, sizeof eyes );
+    orbit_eyes( s->eyes, FIRST, 3.0f, WIDTH, HEIGHT );
+    const RfFrameResult* other = render_stage( s, settings );
+    memcpy( s->eyes, eyes, sizeof eyes );
+    return other;
 }
 
 static RfRenderSettings settings_of( int group, const char* tile )
@@ -153,34 +153,26 @@ static RfRenderSettings settings_of( int group, const char* tile )
     return settings;
 }
 
-static void assert_same( const Rendered* a, int first_a, const Rendered* b, int first_b, int count )
+static void assert_same( const RfFrameResult* a, const RfFrameResult* b, int count )
 {
-    assert_memory_equal( frame_rgb( a, first_a ), frame_rgb( b, first_b ), 3 * a->pixels * (size_t)count * sizeof( float ) );
-    assert_memory_equal( frame_weight( a, first_a ), frame_weight( b, first_b ), a->pixels * (size_t)count * sizeof( float ) );
+    for ( int i = 0; i < count; ++i )
+        expect_same_bits( a + i, b + i );
 }
 
 // The first shot as it is alone, the second whatever the first is, and each frame as it is in the sequence.
-static void check_cut( Cut* c, const RfRenderSettings* settings )
+static void check_cut( Stage* s, const RfRenderSettings* settings )
 {
-    Rendered whole = render_all( c->tracer, c->eyes, ALL, settings ), other = render_all( c->tracer, c->other, ALL, settings );
-    Rendered first = render_all( c->tracer, c->eyes, FIRST, settings );
-    assert_same( &whole, 0, &first, 0, FIRST );
-    assert_same( &whole, FIRST, &other, FIRST, SECOND );
-    assert_true( memcmp( frame_rgb( &whole, 0 ), frame_rgb( &other, 0 ), 3 * whole.pixels * sizeof( float ) ) != 0 );
+    const RfFrameResult *whole = render_stage( s, settings ), *other = render_other( s, settings );
+    assert_same( whole, render_first( s, settings ), FIRST );
+    assert_same( whole + FIRST, other + FIRST, SECOND );
+    assert_memory_not_equal( whole->rgb, other->rgb, 3 * WIDTH * HEIGHT * sizeof( float ) );
     for ( int frame = FIRST - 1; frame <= FIRST && settings->noise == 0.0 && settings->flicker == 0.0; ++frame )
-    {
-        Rendered alone = render_frames( c->tracer, c->eyes, ALL, &frame, 1, settings );
-        assert_same( &whole, frame, &alone, 0, 1 );
-        free_rendered( &alone );
-    }
-    free_rendered( &whole );
-    free_rendered( &other );
-    free_rendered( &first );
+        expect_same_bits( whole + frame, render_one( s, frame, settings ) );
 }
 
 TEST( test_frames_beside_a_cut )
 {
-    Cut c;
+    Stage c;
     for ( int blurred = 0; blurred < 2; ++blurred )
     {
         begin( &c, ROOM_GGX, 0.1 * blurred );
@@ -192,14 +184,14 @@ TEST( test_frames_beside_a_cut )
         RfRenderSettings adaptive = settings_of( 2, "3x3" );
         adaptive.adaptive = RF_ADAPTIVE_ON;
         check_cut( &c, &adaptive );
-        end( &c );
+        close_stage( &c );
     }
 }
 
 // A noise or a flicker to stop at: what is known of one shot says nothing of the next.
 TEST( test_goals_beside_a_cut )
 {
-    Cut c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     for ( int flicker = 0; flicker < 2; ++flicker )
     {
@@ -207,108 +199,72 @@ TEST( test_goals_beside_a_cut )
         settings.spp = 64;
         settings.noise = flicker ? 0.0 : 0.1;
         settings.flicker = flicker ? 0.1 : 0.0;
-        Rendered whole = render_all( c.tracer, c.eyes, ALL, &settings ), first = render_all( c.tracer, c.eyes, FIRST, &settings );
-        assert_same( &whole, 0, &first, 0, FIRST );
-        assert_int_equal( whole.stats.missed + whole.stats.flicker_missed, 0 );
-        free_rendered( &whole );
-        free_rendered( &first );
+        const RfFrameResult* first = render_first( &c, &settings );
+        assert_same( render_stage( &c, &settings ), first, FIRST );
+        assert_int_equal( c.stats.missed + c.stats.flicker_missed, 0 );
     }
-    end( &c );
 }
 
-static double mean_square( const Rendered* a, int first_a, const Rendered* b )
+static double mean_square( const RfFrameResult* a, const RfFrameResult* b )
 {
     double sum = 0.0;
-    size_t count = 3 * a->pixels * SECOND;
-    for ( size_t i = 0; i < count; ++i )
+    for ( int i = 0; i < 3 * SECOND * WIDTH * HEIGHT; ++i )
     {
-        double d = (double)frame_rgb( a, first_a )[i] - (double)frame_rgb( b, 0 )[i];
+        int frame = i / ( 3 * WIDTH * HEIGHT ), k = i % ( 3 * WIDTH * HEIGHT );
+        double d = (double)a[frame].rgb[k] - (double)b[frame].rgb[k];
         sum += d * d;
     }
-    return sum / (double)count;
+    return sum / ( 3.0 * SECOND * WIDTH * HEIGHT );
 }
 
 // The second shot has other random numbers than alone, but the same picture and as much noise.
 TEST( test_second_shot_is_as_alone )
 {
-    Cut c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_DIFFUSE, 0.05 );
+    AUTO_BY( close_stage ) Stage second;
+    open_stage_before( &second, make_room( ROOM_DIFFUSE ), c.eyes + FIRST, SECOND );
     RfRenderSettings settings = settings_of( 1, "3x3" );
     double apart[2] = { 0 };
     for ( int k = 0; k < 8; ++k )
     {
         settings.seed = (uint64_t)( 3 * k + 1 ); // other ones: the same seed has the same shifts in all frames
-        Rendered whole = render_all( c.tracer, c.eyes, ALL, &settings );
+        const RfFrameResult* whole = render_stage( &c, &settings );
         settings.seed += 1;
-        Rendered alone = render_all( c.tracer, c.eyes + FIRST, SECOND, &settings );
+        const RfFrameResult* alone = render_stage( &second, &settings );
         settings.seed += 1;
-        Rendered again = render_all( c.tracer, c.eyes + FIRST, SECOND, &settings );
-        apart[0] += mean_square( &whole, FIRST, &alone );
-        apart[1] += mean_square( &again, 0, &alone );
+        apart[0] += mean_square( whole + FIRST, alone );
+        apart[1] += mean_square( render_stage( &second, &settings ), alone );
         for ( int i = 0; i < SECOND; ++i )
-            assert_true( whole.native_spp[FIRST + i] == alone.native_spp[i] );
-        free_rendered( &whole );
-        free_rendered( &alone );
-        free_rendered( &again );
+            assert_true( whole[FIRST + i].native_spp == alone[i].native_spp );
     }
     print_message( "cut over alone: %.3f\n", apart[0] / apart[1] );
     assert_true( apart[0] > 0.8 * apart[1] && apart[0] < 1.25 * apart[1] );
-    end( &c );
 }
 
 // Motion of the frames beside the cut, as it is at the ends of a path.
-typedef struct Motion
+TEST( test_no_motion_across_a_cut )
 {
-    int frames;
-    float layer[ALL][4 * WIDTH * HEIGHT];
-} Motion;
-
-static RfResult keep_motion( void* user, const RfFrameResult* frame, RfError* error )
-{
-    (void)error;
-    Motion* m = user;
-    size_t bytes = (size_t)rf_aov_channels( RF_AOV_MOTION ) * WIDTH * HEIGHT * sizeof( float );
-    memcpy( m->layer[m->frames++], frame->aovs[RF_AOV_MOTION], bytes );
-    return RF_OK;
-}
-
-static Motion render_motion( const RfTracer* tracer, const RfEye* eyes, int count )
-{
-    Motion motion = { 0 };
-    int frames[ALL];
-    for ( int i = 0; i < count; ++i )
-        frames[i] = i;
+    AUTO_BY( close_stage ) Stage c;
+    begin( &c, ROOM_GGX, 0.0 );
     RfRenderSettings settings = settings_of( 1, "1" );
     settings.spp = 3;
     settings.aovs = RF_AOV_BIT( RF_AOV_MOTION );
-    RfRenderCallbacks callbacks = { .user = &motion, .frame = keep_motion };
-    RfShot shot = { .tracer = tracer, .eyes = eyes, .eye_count = count, .frames = frames, .frame_count = count };
-    assert_int_equal( rf_render( &shot, &settings, &callbacks, NULL, NULL ), RF_OK );
-    return motion;
-}
-
-TEST( test_no_motion_across_a_cut )
-{
-    Cut c;
-    begin( &c, ROOM_GGX, 0.0 );
-    Motion whole = render_motion( c.tracer, c.eyes, ALL ), first = render_motion( c.tracer, c.eyes, FIRST );
-    assert_int_equal( whole.frames, ALL );
-    assert_memory_equal( whole.layer, first.layer, FIRST * sizeof whole.layer[0] );
-    Motion other = render_motion( c.tracer, c.other, ALL );
-    assert_memory_equal( whole.layer[FIRST], other.layer[FIRST], SECOND * sizeof whole.layer[0] );
-    end( &c );
+    const RfFrameResult *whole = render_stage( &c, &settings ), *other = render_other( &c, &settings );
+    assert_same( whole, render_first( &c, &settings ), FIRST );
+    assert_same( whole + FIRST, other + FIRST, SECOND );
 }
 
 // Short renders that tune and cost measure lie within a shot where that is long enough, and have its groups where it is not.
 TEST( test_trials_beside_a_cut )
 {
-    Cut c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
-    RfShot shot = { .tracer = c.tracer, .eyes = c.eyes, .eye_count = ALL };
+    RfShot shot = stage_shot( &c, NULL, 0 );
     for ( int frames = 5; frames <= 9; frames += 4 )
     {
         RfRenderSettings settings = settings_of( frames / 2, "3x3" );
-        RfTestRegion region;
+        AUTO_BY( rf_destroy_test_region ) RfTestRegion region;
         RfTestSite site = { FIRST, frames, WIDTH * HEIGHT };
         RfTrial trial;
         assert_int_equal( rf_create_test_region( &shot, NULL, &site, &settings, &region, NULL ), RF_OK );
@@ -316,20 +272,14 @@ TEST( test_trials_beside_a_cut )
         assert_int_equal( region.frames, frames );
         assert_int_equal( rf_run_trial( &region, 1, 2, &settings, &trial, NULL ), RF_OK );
         assert_true( trial.samples > 0.0 && isfinite( trial.relmse ) );
-        rf_destroy_test_region( &region );
     }
-    end( &c );
 }
 
 TEST( test_shots_must_not_fall )
 {
-    Cut c;
+    AUTO_BY( close_stage ) Stage c;
     begin( &c, ROOM_GGX, 0.0 );
     RfRenderSettings settings = settings_of( 1, "1" );
-    RfError error = { 0 };
     c.eyes[ALL - 1].shot = 1;
-    RfShot shot = { .tracer = c.tracer, .eyes = c.eyes, .eye_count = ALL, .frames = &( int ){ 0 }, .frame_count = 1 };
-    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "frame 12" ) );
-    end( &c );
+    expect_refused( &c, &settings, "frame 12" );
 }

@@ -2,10 +2,8 @@
 // not: pictures and AOVs, with other threads and another budget in between. So has one that is killed and goes on from films that
 // it saved some time before, and one that shows previews.
 #include "scene/light_groups.h"
-#include "support/moving_rooms.h"
-#include "support/render_support.h"
+#include "support/render_one.h"
 #include "support/rooms.h"
-#include "support/scene_builder.h"
 #include "support/test.h"
 
 #include <math.h>
@@ -17,14 +15,6 @@
 #define HEIGHT 15
 #define PIXELS ( WIDTH * HEIGHT )
 
-typedef struct Kept
-{
-    float rgb[3 * PIXELS], weight[PIXELS], aov[RF_AOV_COUNT][4 * PIXELS];
-    float layers[6][4 * PIXELS];
-    double native_spp, effective_spp, relmse;
-    int times;
-} Kept;
-
 typedef struct Memory
 {
     unsigned char* bytes;
@@ -35,7 +25,8 @@ typedef struct Memory
 
 typedef struct Run
 {
-    Kept frames[EYES];
+    RfFrameResult frames[EYES];
+    int times[EYES]; // that a frame was handed over
     int done;
     int chunks, most; // until it is interrupted
     int saved;        // chunks before it is saved; −1: when it is interrupted
@@ -43,27 +34,15 @@ typedef struct Run
     size_t most_bytes; // that it says to take
     int previews, preview_frame;
     double preview_spp;
+    Stage stage;
 } Run;
 
 static RfResult keep( void* user, const RfFrameResult* f, RfError* error )
 {
     (void)error;
     Run* run = user;
-    Kept* kept = run->frames + f->frame;
-    memcpy( kept->rgb, f->rgb, sizeof kept->rgb );
-    memcpy( kept->weight, f->weight, sizeof kept->weight );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-    {
-        if ( f->aovs[a] != NULL )
-            memcpy( kept->aov[a], f->aovs[a], sizeof( float ) * PIXELS * (size_t)rf_aov_channels( (RfAov)a ) );
-    }
-    assert_true( f->layer_count <= 6 );
-    for ( int k = 0; k < f->layer_count; ++k )
-        memcpy( kept->layers[k], f->layers[k].values, sizeof( float ) * PIXELS * strlen( f->layers[k].letters ) );
-    kept->native_spp = f->native_spp;
-    kept->effective_spp = f->effective_spp;
-    kept->relmse = isnan( f->relmse_estimate ) ? -1.0 : f->relmse_estimate;
-    kept->times += 1;
+    run->frames[f->frame] = hold_result( &run->stage, f );
+    run->times[f->frame] += 1;
     run->done += 1;
     return RF_OK;
 }
@@ -136,17 +115,31 @@ typedef struct Case
     bool in_sweeps; // too little memory for the films of a group
 } Case;
 
-// Of the frames from `first` on that are left.
-static RfResult render( const RfTracer* tracer, const RfEye* eyes, RfRenderSettings settings, int first, Run* run, bool resumes )
+static void begin( Run* run, RfScene scene )
 {
-    int frames[EYES];
-    for ( int i = first; i < EYES; ++i )
-        frames[i - first] = i;
+    *run = ( Run ){ .most = 1 << 30 };
+    open_stage( &run->stage, scene, EYES, 4.0f, WIDTH, HEIGHT );
+    for ( int k = 0; k < EYES; ++k )
+        run->stage.eyes[k].time = k / 24.0;
+}
+
+static void end( Run* run )
+{
+    free( run->state.bytes );
+    close_stage( &run->stage );
+}
+
+static const int s_frames[EYES] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
+
+// Of the frames from `first` on that are left.
+static RfResult render( Run* run, const RfRenderSettings* settings, int first, bool resumes )
+{
     RfRenderCallbacks callbacks = { .user = run, .frame = keep, .progress = count_chunk, .save = save, .saves = saves };
     callbacks.load = resumes ? load : NULL;
     callbacks.preview = run->previews >= 0 ? look : NULL;
     RfError error = { 0 };
-    RfResult result = rf_render( &( RfShot ){ tracer, eyes, EYES, frames, EYES - first }, &settings, &callbacks, NULL, &error );
+    RfShot shot = stage_shot( &run->stage, s_frames + first, EYES - first );
+    RfResult result = rf_render( &shot, settings, &callbacks, NULL, &error );
     if ( result != RF_OK && result != RF_ERROR_INTERRUPTED )
         fail_msg( "%s", error.text );
     return result;
@@ -156,16 +149,16 @@ static void expect_same( const char* name, const Run* whole, const Run* parts )
 {
     for ( int f = 0; f < EYES; ++f )
     {
-        const Kept *a = whole->frames + f, *b = parts->frames + f;
-        if ( memcmp( a, b, sizeof *a ) != 0 )
-            fail_msg( "%s: frame %d differs: rgb %d weight %d spp %g %g times %d", name, f,
-                      memcmp( a->rgb, b->rgb, sizeof a->rgb ), memcmp( a->weight, b->weight, sizeof a->weight ), a->native_spp,
-                      b->native_spp, b->times );
+        const RfFrameResult *a = whole->frames + f, *b = parts->frames + f;
+        expect_same_bits( a, b );
+        if ( a->native_spp != b->native_spp || a->effective_spp != b->effective_spp || parts->times[f] != 1 ||
+             memcmp( &a->relmse_estimate, &b->relmse_estimate, sizeof a->relmse_estimate ) != 0 )
+            fail_msg( "%s: frame %d differs: spp %g %g times %d", name, f, a->native_spp, b->native_spp, parts->times[f] );
     }
 }
 
 // Interrupted after every `chunks` chunks, with one and two threads by turns.
-static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Case* c, int chunks, Run* run )
+static int interrupt_often( const Case* c, int chunks, Run* run )
 {
     int times = 0;
     bool resumes = false;
@@ -179,7 +172,7 @@ static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Cas
         run->most = chunks;
         run->saved = times % 2 == 0 ? chunks - 1 : -1;
         run->state.whole = false;
-        if ( render( tracer, eyes, settings, run->done, run, resumes ) == RF_OK )
+        if ( render( run, &settings, run->done, resumes ) == RF_OK )
             break;
         assert_true( run->state.size > 0 );
         if ( resumes )
@@ -190,7 +183,7 @@ static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Cas
         }
         run->state.read = 0;
         for ( ; run->state.whole && run->done > run->state.done; --run->done )
-            memset( run->frames + run->done - 1, 0, sizeof( Kept ) ); // finished once more
+            run->times[run->done - 1] = 0; // finished once more
         assert_true( run->most_bytes == 0 || run->state.size <= run->most_bytes );
         resumes = true;
     }
@@ -199,26 +192,19 @@ static int interrupt_often( const RfTracer* tracer, const RfEye* eyes, const Cas
 
 static void check_case( Case* c )
 {
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    for ( int k = 0; k < EYES; ++k )
-        eyes[k].time = k / 24.0;
-    RfTracer* tracer = make_tracer( &c->scene );
-    Run *whole = calloc( 1, sizeof *whole ), *parts = calloc( 1, sizeof *parts );
-    assert_true( whole != NULL && parts != NULL );
-    whole->most = 1 << 30;
-    assert_int_equal( render( tracer, eyes, c->settings, 0, whole, false ), RF_OK );
-    assert_true( whole->previews > 0 );
-    parts->previews = -1;
-    int chunks = whole->chunks / 5 + 1, times = interrupt_often( tracer, eyes, c, chunks, parts );
+    Run whole, parts;
+    begin( &whole, c->scene );
+    assert_int_equal( render( &whole, &c->settings, 0, false ), RF_OK );
+    assert_true( whole.previews > 0 );
+    begin( &parts, whole.stage.scene );
+    parts.previews = -1;
+    int chunks = whole.chunks / 5 + 1, times = interrupt_often( c, chunks, &parts );
     if ( times < 3 )
-        fail_msg( "%s: interrupted %d times, in %d chunks", c->name, times, whole->chunks );
-    expect_same( c->name, whole, parts );
-    free( parts->state.bytes );
-    free( whole );
-    free( parts );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &c->scene );
+        fail_msg( "%s: interrupted %d times, in %d chunks", c->name, times, whole.chunks );
+    expect_same( c->name, &whole, &parts );
+    parts.stage.scene = ( RfScene ){ 0 }; // that of the other
+    end( &parts );
+    end( &whole );
 }
 
 #define REMOVED RF_AOV_BIT( RF_AOV_REMOVED )
@@ -330,75 +316,50 @@ TEST( test_long_renders_and_sweeps )
     longer.settings.filter_width = RF_MAX_FILTER_WIDTH; // fills them soon
     check_case( &longer );
     Case sweeps = { "sweeps", settings_of( 2, 6, "1", 0 ), make_room( ROOM_DIFFUSE ), true };
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    RfTracer* tracer = make_tracer( &sweeps.scene );
-    RfMemoryFit fit = { 0 };
-    RfError error = { 0 };
-    RfRenderSettings resolved;
     sweeps.settings.threads = 1;
-    sweeps.settings.memory = 1;
-    RfShot shot = { tracer, eyes, EYES, NULL, EYES };
-    assert_int_equal( rf_resolve_settings( &shot, &sweeps.settings, &resolved, &error ), RF_OK );
-    rf_fit_memory( &shot, &resolved, &fit, &error );
-    sweeps.settings.memory = resolved.memory = fit.least;
-    assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_OK );
-    assert_true( fit.sweeps > 1 );
-    rf_destroy_tracer( tracer );
+    AUTO_BY( close_stage ) Stage stage;
+    open_stage( &stage, make_room( ROOM_DIFFUSE ), EYES, 4.0f, WIDTH, HEIGHT );
+    sweeps.settings.memory = least_memory( &stage, 0, EYES, &sweeps.settings );
     check_case( &sweeps );
 }
 
 // Of other frames, or cut short: an error, no crash.
 TEST( test_other_states_are_refused )
 {
-    RfScene scene = make_room( ROOM_DIFFUSE );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    Run* run = calloc( 1, sizeof *run );
+    Run run;
+    begin( &run, make_room( ROOM_DIFFUSE ) );
     RfRenderSettings settings = settings_of( 1, 6, "1", 0 );
-    run->most = 3;
-    assert_int_equal( render( tracer, eyes, settings, 0, run, false ), RF_ERROR_INTERRUPTED );
-    size_t size = run->state.size;
-    int frames[EYES] = { 0, 1, 2, 3, 4, 5, 6, 7, 8 };
-    RfRenderCallbacks callbacks = { .user = run, .frame = keep, .load = load };
+    run.most = 3;
+    assert_int_equal( render( &run, &settings, 0, false ), RF_ERROR_INTERRUPTED );
+    size_t size = run.state.size;
+    RfRenderCallbacks callbacks = { .user = &run, .frame = keep, .load = load };
     for ( int k = 0; k < 4; ++k )
     {
         RfError error = { 0 };
         RfRenderSettings other = settings;
-        run->state.read = 0;
-        run->state.size = k == 0 ? size / 2 : size;
+        run.state.read = 0;
+        run.state.size = k == 0 ? size / 2 : size;
         other.aovs = k == 1 ? AOVS : 0;
-        frames[0] = k == 3 ? 1 : 0;
-        RfShot shot = { tracer, eyes, EYES, k == 3 ? frames + 1 : frames, k < 2 ? EYES : EYES - 1 };
+        RfShot shot = stage_shot( &run.stage, k == 3 ? s_frames + 1 : s_frames, k < 2 ? EYES : EYES - 1 );
         assert_int_equal( rf_render( &shot, &other, &callbacks, NULL, &error ), k == 0 ? RF_ERROR_IO : RF_ERROR_USAGE );
         assert_true( error.text[0] != '\0' );
     }
-    assert_int_equal( run->done, 0 );
-    free( run->state.bytes );
-    free( run );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    assert_int_equal( run.done, 0 );
+    end( &run );
 }
 
 // The first comes after the first pass: of the oldest frame, with one sample.
 TEST( test_preview_comes_early )
 {
-    RfScene scene = make_room( ROOM_DIFFUSE );
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    Run* run = calloc( 1, sizeof *run );
+    Run run;
+    begin( &run, make_room( ROOM_DIFFUSE ) );
     RfRenderSettings settings = settings_of( 1, 6, "1", 0 );
-    run->most = 1 << 30;
-    assert_int_equal( render( tracer, eyes, settings, 3, run, false ), RF_OK );
-    assert_true( run->previews >= 1 );
-    if ( run->previews == 1 ) // on a free machine: the next would come a second later
+    assert_int_equal( render( &run, &settings, 3, false ), RF_OK );
+    assert_true( run.previews >= 1 );
+    if ( run.previews == 1 ) // on a free machine: the next would come a second later
     {
-        assert_int_equal( run->preview_frame, 3 );
-        assert_true( run->preview_spp == 1.0 );
+        assert_int_equal( run.preview_frame, 3 );
+        assert_true( run.preview_spp == 1.0 );
     }
-    free( run );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    end( &run );
 }

@@ -5,6 +5,7 @@
 #include "render/settings.h"
 #include "render/sizes.h"
 #include "render/worlds.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
 #include "support/scene_files.h"
 #include "support/test.h"
@@ -18,7 +19,6 @@
 #define WIDTH 48
 #define HEIGHT 32
 #define DISTANCE 3.0
-#define MOST_FRAMES 16
 
 // A plate from x = −1 to 1 and y = −0.6 to 0.6 at z = −3, before a wall, lit by the wall's light.
 static const float s_plate[] = { -1, -0.6f, -3, 1, -0.6f, -3, 1, 0.6f, -3, -1, 0.6f, -3 };
@@ -27,15 +27,17 @@ static const uint16_t s_faces[] = { 0, 1, 2, 0, 2, 3 };
 static const float s_times[] = { 0, 4 };
 
 // 0 plate, 1 faces, 2 wall, 3 times
-static GltfBuilder make_plate( void )
+static GltfBuilder make_plate_at( const float* times, int count )
 {
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 4, s_plate );
     add_gltf_u16( &b, 6, s_faces );
     add_gltf_floats( &b, "VEC3", 3, 4, s_wall );
-    add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
+    add_gltf_floats( &b, "SCALAR", 1, count, times );
     return b;
 }
+
+static GltfBuilder make_plate( void ) { return make_plate_at( s_times, 2 ); }
 
 #define MATERIALS "\"materials\":[{},{\"emissiveFactor\":[0.5,0.5,0.5]}],"
 #define WALL "{\"primitives\":[{\"attributes\":{\"POSITION\":2},\"indices\":1,\"material\":1}]}"
@@ -75,38 +77,6 @@ static void open_eye( RfEye* eye, double half, int steps )
 
 // ---- Motion ---------------------------------------------------------------------
 
-typedef struct Layers
-{
-    int count, frame[MOST_FRAMES];
-    float* motion[MOST_FRAMES];
-    float* samples[MOST_FRAMES];
-    float* rgb[MOST_FRAMES];
-} Layers;
-
-static RfResult keep( void* user, const RfFrameResult* result, RfError* error )
-{
-    (void)error;
-    Layers* kept = user;
-    size_t pixels = (size_t)result->width * (size_t)result->height;
-    kept->frame[kept->count] = result->frame;
-    kept->rgb[kept->count] = copy_floats( result->rgb, 3 * pixels );
-    const float *motion = result->aovs[RF_AOV_MOTION], *samples = result->aovs[RF_AOV_SAMPLES];
-    kept->samples[kept->count] = samples != NULL ? copy_floats( samples, pixels ) : NULL;
-    kept->motion[kept->count] = motion != NULL ? copy_floats( motion, 4 * pixels ) : NULL;
-    kept->count += 1;
-    return RF_OK;
-}
-
-static void free_layers( Layers* kept )
-{
-    for ( int i = 0; i < kept->count; ++i )
-    {
-        free( kept->motion[i] );
-        free( kept->samples[i] );
-        free( kept->rgb[i] );
-    }
-}
-
 static RfRenderSettings moving_settings( int group, int spp )
 {
     RfRenderSettings settings = plain_settings();
@@ -118,29 +88,12 @@ static RfRenderSettings moving_settings( int group, int spp )
     return settings;
 }
 
-// Frames [first, end) of a path.
-static RfResult render_part( const RfScene* scene, const RfEye* eyes, int eye_count, int first, int end,
-                             const RfRenderSettings* settings, Layers* kept, RfError* error )
+// Takes the scene over, with these eyes a second apart.
+static void open_plates( Stage* s, RfScene scene, int count, double first )
 {
-    int frames[MOST_FRAMES];
-    for ( int i = first; i < end; ++i )
-        frames[i - first] = i;
-    RfTracer* tracer = make_tracer( scene );
-    *kept = ( Layers ){ 0 };
-    RfRenderCallbacks callbacks = { .user = kept, .frame = keep };
-    RfShot shot = { tracer, eyes, eye_count, frames, end - first };
-    RfResult result = rf_render( &shot, settings, &callbacks, NULL, error );
-    rf_destroy_tracer( tracer );
-    return result;
-}
-
-static Layers render_motion( const RfScene* scene, const RfEye* eyes, int count, const RfRenderSettings* settings )
-{
-    Layers kept;
-    RfError error;
-    if ( render_part( scene, eyes, count, 0, count, settings, &kept, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return kept;
+    RfEye eyes[STAGE_EYES];
+    still_eyes( eyes, count, first );
+    open_stage_before( s, scene, eyes, count );
 }
 
 static double pixels_per_m( const RfEye* eye ) { return (double)eye->focal / DISTANCE; }
@@ -152,56 +105,50 @@ static void place_of( const RfEye* eye, int x, int y, double at[2] )
     at[1] = ( 0.5 * HEIGHT - y - 0.5 ) / pixels_per_m( eye );
 }
 
-static void assert_motion( const Layers* kept, int frame, int x, int y, int channel, double wanted, double tolerance )
+static void assert_motion( const RfFrameResult* frame, int x, int y, int channel, double wanted, double tolerance )
 {
-    double got = (double)kept->motion[frame][4 * ( y * WIDTH + x ) + channel];
+    double got = (double)frame->aovs[RF_AOV_MOTION][4 * ( y * WIDTH + x ) + channel];
     if ( !( fabs( got - wanted ) <= tolerance ) )
-        fail_msg( "frame %d, pixel %d,%d: motion %d is %.6f instead of %.6f", frame, x, y, channel, got, wanted );
+        fail_msg( "frame %d, pixel %d,%d: motion %d is %.6f instead of %.6f", frame->frame, x, y, channel, got, wanted );
 }
 
 TEST( test_motion_of_what_slides )
 {
-    RfEye eyes[5];
-    still_eyes( eyes, 5, 0.0 );
-    RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0 } );
-    double step = pixels_per_m( eyes );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0 } ), 5, 0.0 );
+    double step = pixels_per_m( s.eyes );
     for ( int i = 0; i < 6; ++i )
     {
         int group = i % 3;                      // 1: windows that are cut
         for ( int k = 0; k < 5 && i >= 3; ++k ) // motion is that in the middle of the shutter
-            open_eye( eyes + k, 0.25, k );
+            open_eye( s.eyes + k, 0.25, k );
         RfRenderSettings settings = moving_settings( group, 5 );
-        Layers kept = render_motion( &scene, eyes, 5, &settings );
+        const RfFrameResult* kept = render_stage( &s, &settings );
         for ( int k = 0; k < 5; ++k )
         {
             int x = WIDTH / 2, y = HEIGHT / 2;
-            assert_motion( &kept, k, x, y, 0, k > 0 ? -0.2 * step : 0.0, 1e-3 );
-            assert_motion( &kept, k, x, y, 1, k > 0 ? 0.1 * step : 0.0, 1e-3 );
-            assert_motion( &kept, k, x, y, 2, k < 4 ? 0.2 * step : 0.0, 1e-3 );
-            assert_motion( &kept, k, x, y, 3, k < 4 ? -0.1 * step : 0.0, 1e-3 );
+            assert_motion( kept + k, x, y, 0, k > 0 ? -0.2 * step : 0.0, 1e-3 );
+            assert_motion( kept + k, x, y, 1, k > 0 ? 0.1 * step : 0.0, 1e-3 );
+            assert_motion( kept + k, x, y, 2, k < 4 ? 0.2 * step : 0.0, 1e-3 );
+            assert_motion( kept + k, x, y, 3, k < 4 ? -0.1 * step : 0.0, 1e-3 );
             for ( int c = 0; c < 4; ++c )
-                assert_motion( &kept, k, 0, 0, c, 0.0, 0.0 ); // the wall, which stands still before an eye that does
+                assert_motion( kept + k, 0, 0, c, 0.0, 0.0 ); // the wall, which stands still before an eye that does
         }
-        free_layers( &kept );
     }
-    rf_destroy_scene( &scene );
 }
 
 // Eye and plate move alike: to the film it rests, while the wall moves.
 TEST( test_an_eye_that_goes_along )
 {
-    RfEye eyes[3];
-    still_eyes( eyes, 3, 0.0 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, 0, 0 } ), 3, 0.0 );
     for ( int i = 0; i < 3; ++i )
-        eyes[i].origin.x = 0.2f * (float)i;
-    RfScene scene = load_sliding( ( const float[3] ){ 0.8f, 0, 0 } );
+        s.eyes[i].origin.x = 0.2f * (float)i;
     RfRenderSettings settings = moving_settings( 1, 5 );
-    Layers kept = render_motion( &scene, eyes, 3, &settings );
-    assert_motion( &kept, 1, WIDTH / 2, HEIGHT / 2, 0, 0.0, 1e-4 );
-    assert_motion( &kept, 1, WIDTH / 2, HEIGHT / 2, 2, 0.0, 1e-4 );
-    assert_motion( &kept, 1, 0, 0, 2, -0.2 * (double)eyes[0].focal / 9.0, 1e-3 );
-    free_layers( &kept );
-    rf_destroy_scene( &scene );
+    const RfFrameResult* kept = render_stage( &s, &settings );
+    assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, 0, 0.0, 1e-4 );
+    assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, 2, 0.0, 1e-4 );
+    assert_motion( kept + 1, 0, 0, 2, -0.2 * (double)s.eyes[0].focal / 9.0, 1e-3 );
 }
 
 // It is gone in the second frame: there is nowhere to follow it to.
@@ -210,16 +157,15 @@ TEST( test_motion_of_what_vanishes )
     GltfBuilder b = make_plate();
     static const float s_scales[] = { 1, 1, 1, 0, 0, 0 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0" )
-                                             MOVED( "1", "scale", "STEP" ) );
-    RfEye eyes[3];
-    still_eyes( eyes, 3, 2.5 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s,
+                 gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0" )
+                                          MOVED( "1", "scale", "STEP" ) ),
+                 3, 2.5 );
     RfRenderSettings settings = moving_settings( 1, 3 );
-    Layers kept = render_motion( &scene, eyes, 3, &settings );
+    const RfFrameResult* kept = render_stage( &s, &settings );
     for ( int c = 0; c < 4; ++c )
-        assert_motion( &kept, 1, WIDTH / 2, HEIGHT / 2, c, 0.0, 0.0 );
-    free_layers( &kept );
-    rf_destroy_scene( &scene );
+        assert_motion( kept + 1, WIDTH / 2, HEIGHT / 2, c, 0.0, 0.0 );
 }
 
 // x grows by y, by a morph target: 0.1 y each second.
@@ -232,20 +178,18 @@ TEST( test_motion_of_what_changes_its_shape )
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0}]," MESHES( "},\"indices\":1,\"material\":0,\"targets\":[{\"POSITION\":5}]" )
                 MOVED( "1", "weights", "LINEAR" ) );
-    RfEye eyes[3];
-    still_eyes( eyes, 3, 0.0 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 3, 0.0 );
     RfRenderSettings settings = moving_settings( 1, 5 );
-    Layers kept = render_motion( &scene, eyes, 3, &settings );
+    const RfFrameResult* kept = render_stage( &s, &settings );
     for ( int y = HEIGHT / 2 - 8; y < HEIGHT / 2 + 8; ++y )
     {
         double at[2];
-        place_of( eyes, WIDTH / 2, y, at );
-        assert_motion( &kept, 1, WIDTH / 2, y, 0, -0.1 * at[1] * pixels_per_m( eyes ), 0.05 ); // of a pixel, anywhere in it
-        assert_motion( &kept, 1, WIDTH / 2, y, 2, 0.1 * at[1] * pixels_per_m( eyes ), 0.05 );
-        assert_motion( &kept, 1, WIDTH / 2, y, 3, 0.0, 1e-3 );
+        place_of( s.eyes, WIDTH / 2, y, at );
+        assert_motion( kept + 1, WIDTH / 2, y, 0, -0.1 * at[1] * pixels_per_m( s.eyes ), 0.05 ); // of a pixel, anywhere in it
+        assert_motion( kept + 1, WIDTH / 2, y, 2, 0.1 * at[1] * pixels_per_m( s.eyes ), 0.05 );
+        assert_motion( kept + 1, WIDTH / 2, y, 3, 0.0, 1e-3 );
     }
-    free_layers( &kept );
-    rf_destroy_scene( &scene );
 }
 
 // A joint mirrors the plate from one frame to the next, which turns its triangles over.
@@ -260,70 +204,58 @@ TEST( test_motion_of_a_skin_that_is_turned_over )
     RfScene scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"skin\":0},{}],\"skins\":[{\"joints\":[2]}]," MESHES(
                 ",\"JOINTS_0\":5,\"WEIGHTS_0\":6},\"indices\":1,\"material\":0" ) MOVED( "2", "scale", "STEP" ) );
-    RfEye eyes[2];
-    still_eyes( eyes, 2, 3.0 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 2, 3.0 );
     RfRenderSettings settings = moving_settings( 1, 5 );
-    Layers kept = render_motion( &scene, eyes, 2, &settings );
+    const RfFrameResult* kept = render_stage( &s, &settings );
     for ( int x = WIDTH / 2 - 10; x < WIDTH / 2 + 10; ++x )
     {
         for ( int frame = 0; frame < 2; ++frame )
         {
             double at[2];
-            place_of( eyes, x, HEIGHT / 2 + 5, at );
-            assert_motion( &kept, frame, x, HEIGHT / 2 + 5, 2 - 2 * frame, -2.0 * at[0] * pixels_per_m( eyes ), 1.01 );
-            assert_motion( &kept, frame, x, HEIGHT / 2 + 5, 3 - 2 * frame, 0.0, 1e-3 );
+            place_of( s.eyes, x, HEIGHT / 2 + 5, at );
+            assert_motion( kept + frame, x, HEIGHT / 2 + 5, 2 - 2 * frame, -2.0 * at[0] * pixels_per_m( s.eyes ), 1.01 );
+            assert_motion( kept + frame, x, HEIGHT / 2 + 5, 3 - 2 * frame, 0.0, 1e-3 );
         }
     }
-    free_layers( &kept );
-    rf_destroy_scene( &scene );
 }
 
 // ---- Which frames are asked for -------------------------------------------------
 
-static void check_parts( const RfScene* scene, const RfRenderSettings* settings, int steps )
+static void check_parts( Stage* s, const RfRenderSettings* settings, int steps )
 {
-    RfEye eyes[7];
-    Layers all, part;
-    RfError error;
     for ( int i = 0; i < 7; ++i ) // the eye moves in every other frame
-        eyes[i] =
-            rf_make_eye( rf_vec3( 0.05f * (float)( i / 2 ), 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.6, WIDTH, HEIGHT );
-    for ( int i = 0; i < 7; ++i )
     {
-        eyes[i].time = 0.7 * i;
-        open_eye( eyes + i, 0.2, steps );
+        s->eyes[i] =
+            rf_make_eye( rf_vec3( 0.05f * (float)( i / 2 ), 0, 0 ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 0.6, WIDTH, HEIGHT );
+        s->eyes[i].time = 0.7 * i;
+        open_eye( s->eyes + i, 0.2, steps );
     }
-    if ( render_part( scene, eyes, 7, 0, 7, settings, &all, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    const RfFrameResult* all = render_stage( s, settings );
     for ( int first = 0; first < 7; first += 2 )
     {
-        int end = first + 2 < 7 ? first + 2 : 7;
-        if ( render_part( scene, eyes, 7, first, end, settings, &part, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-        assert_int_equal( part.count, end - first );
-        for ( int i = 0; i < part.count; ++i )
+        int count = first + 2 < 7 ? 2 : 7 - first;
+        const RfFrameResult* part = render_some( s, first, count, settings );
+        for ( int i = 0; i < count; ++i )
         {
-            assert_int_equal( part.frame[i], first + i );
-            assert_memory_equal( part.rgb[i], all.rgb[first + i], 3 * WIDTH * HEIGHT * sizeof( float ) );
-            assert_memory_equal( part.motion[i], all.motion[first + i], 4 * WIDTH * HEIGHT * sizeof( float ) );
+            assert_int_equal( part[i].frame, first + i );
+            expect_same_bits( part + i, all + first + i );
         }
-        free_layers( &part );
     }
-    free_layers( &all );
 }
 
 TEST( test_a_frame_alone_is_that_of_its_sequence )
 {
-    RfScene scene = load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0.5f } );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, -0.4f, 0.5f } ), 7, 0.0 );
     for ( int kind = 0; kind < 9; ++kind )
     {
         RfRenderSettings settings = moving_settings( kind % 3, 7 );
         assert_true( rf_parse_tile( kind < 3 ? "1" : "3x3", &settings.tile ) );
         settings.adaptive = kind >= 1 ? RF_ADAPTIVE_ON : RF_ADAPTIVE_OFF;
         settings.threads = 1 + kind % 2;
-        check_parts( &scene, &settings, kind < 6 ? 0 : 2 );
+        check_parts( &s, &settings, kind < 6 ? 0 : 2 );
     }
-    rf_destroy_scene( &scene );
 }
 
 // A mirror that grows: light paths are aimed at where it is in their own frame.
@@ -340,25 +272,20 @@ TEST( test_light_paths_by_a_mirror_that_grows )
                                                    "\"material\":2}]}]," MOVED( "1", "scale", "LINEAR" ) );
     RfRenderSettings settings = moving_settings( 0, 2 );
     settings.light_paths = RF_LIGHT_PATHS_ON;
-    check_parts( &scene, &settings, 0 );
-    RfEye eyes[2];
-    still_eyes( eyes, 2, 0.0 );
-    RfTracer* tracer = make_tracer( &scene );
-    RfError error;
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 7, 0.0 );
+    check_parts( &s, &settings, 0 );
     settings.group = 1;
-    RfShot shot = { tracer, eyes, 2, &( int ){ 0 }, 1 };
-    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "light paths" ) );
-    shot.eye_count = 1; // a frame alone
-    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_OK );
-    open_eye( eyes, 0.2, 2 );
-    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "light paths are of one moment" ) );
-    eyes->blur_steps = RF_MAX_BLUR_STEPS + 1;
+    s.eye_count = 2;
+    still_eyes( s.eyes, 2, 0.0 );
+    expect_refused( &s, &settings, "light paths" );
+    s.eye_count = 1; // a frame alone
+    expect_refused( &s, &settings, NULL );
+    open_eye( s.eyes, 0.2, 2 );
+    expect_refused( &s, &settings, "light paths are of one moment" );
+    s.eyes->blur_steps = RF_MAX_BLUR_STEPS + 1;
     settings.light_paths = RF_LIGHT_PATHS_AUTO;
-    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_USAGE );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    expect_refused( &s, &settings, "" );
 }
 
 // The wall brightens while the plate slides: it is as bright as in the middle of the shutter, in which moment that lies or not.
@@ -376,62 +303,56 @@ TEST( test_light_of_the_middle_of_a_shutter )
                                                    "{\"sampler\":1,\"target\":{\"path\":\"pointer\",\"extensions\":{\"KHR_"
                                                    "animation_pointer\":{"
                                                    "\"pointer\":\"/materials/1/emissiveFactor\"}}}}]}]" );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 1, 2.0 );
     RfRenderSettings settings = moving_settings( 0, 1 );
     settings.max_depth = 1;
     for ( int steps = 0; steps <= 5; ++steps )
     {
-        RfEye eye;
-        Layers kept;
-        RfError error;
-        still_eyes( &eye, 1, 2.0 );
-        open_eye( &eye, 1.0, steps );
-        if ( render_part( &scene, &eye, 1, 0, 1, &settings, &kept, &error ) != RF_OK )
-            fail_msg( "%s", error.text );
-        assert_float_equal( kept.rgb[0][0], 0.5, 1e-5 );
-        free_layers( &kept );
+        open_eye( s.eyes, 1.0, steps );
+        assert_float_equal( render_one( &s, 0, &settings )->rgb[0], 0.5, 1e-5 );
     }
-    rf_destroy_scene( &scene );
 }
 
 // ---- Plan and pilot -------------------------------------------------------------
 
-static RfPlan plan_of( const RfScene* scene )
+// Takes the scene over.
+static RfPlan plan_of( RfScene scene )
 {
-    RfEye eyes[9];
+    Stage s;
     RfPlan plan;
     RfError error;
-    still_eyes( eyes, 9, 0.0 );
+    open_plates( &s, scene, 9, 0.0 );
     for ( int i = 0; i < 9; ++i )
-        eyes[i].time = 0.4 * i;
-    RfTracer* tracer = make_tracer( scene );
+        s.eyes[i].time = 0.4 * i;
     RfRenderSettings settings = moving_settings( RF_GROUP_AUTO, 9 );
     settings.aovs = 0;
-    if ( rf_plan_render( &( RfShot ){ tracer, eyes, 9, &( int ){ 0 }, 1 }, &settings, &plan, &error ) != RF_OK )
+    RfShot shot = stage_shot( &s, &( int ){ 0 }, 1 );
+    if ( rf_plan_render( &shot, &settings, &plan, &error ) != RF_OK )
         fail_msg( "%s", error.text );
-    rf_destroy_tracer( tracer );
+    close_stage( &s );
     return plan;
+}
+
+static RfPlan plan_of_sheet( const char* size )
+{
+    GltfBuilder b = make_plate();
+    add_gltf_floats( &b, "VEC3", 3, 2, ( const float[] ){ 0, 0, -2, 1, 0, -2 } );
+    char rest[2048];
+    snprintf( rest, sizeof rest, "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"scale\":[%s,1]}],%s", size,
+              MESHES( "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "LINEAR" ) );
+    return plan_of( gltf_load_built( &b, rest ) );
 }
 
 // A sheet of 40 by 40 m at z = −5 that slides before all else, and hardly anything that does.
 TEST( test_groups_that_do_not_pay )
 {
-    GltfBuilder b = make_plate();
-    static const float s_slides[] = { 0, 0, -2, 1, 0, -2 };
-    add_gltf_floats( &b, "VEC3", 3, 2, s_slides );
-    RfScene large = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"scale\":[40,40,1]}]," MESHES(
-                                             "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "LINEAR" ) );
-    RfPlan plan = plan_of( &large );
+    RfPlan plan = plan_of_sheet( "40,40" );
     assert_int_equal( plan.rows[plan.chosen].group, 0 );
     for ( int r = 0; r < plan.count; ++r )
         assert_true( fabs( plan.rows[r].reach - 1.0 ) < 1e-6 );
-    rf_destroy_scene( &large );
-    b = make_plate();
-    add_gltf_floats( &b, "VEC3", 3, 2, s_slides );
-    RfScene small = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"children\":[2]},{\"mesh\":0,\"scale\":[0.1,0.1,1]}]," MESHES(
-                                             "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "LINEAR" ) );
-    plan = plan_of( &small );
+    plan = plan_of_sheet( "0.1,0.1" );
     assert_true( plan.rows[plan.chosen].group > 0 && plan.rows[plan.count - 1].reach > 3.0 );
-    rf_destroy_scene( &small );
 }
 
 // A curtain between a lamp on the left and the right half of the wall, which the eye sees edge on. Where it has been lifted, the
@@ -451,68 +372,49 @@ TEST( test_pilots_see_light_that_no_other_frame_has )
             "},\"indices\":1,\"material\":0" ) ",{\"primitives\":[{\"attributes\":{\"POSITION\":2},"
                                                "\"indices\":1,\"material\":0}]},{\"primitives\":[{\"attributes\":{\"POSITION\":0}"
                                                ",\"indices\":1,\"material\":1}]}]," MOVED( "1", "translation", "LINEAR" ) );
-    RfEye eyes[7];
-    still_eyes( eyes, 7, 0.0 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 7, 0.0 );
     for ( int i = 0; i < 7; ++i )
-        eyes[i].time = 0.6 * i;
+        s.eyes[i].time = 0.6 * i;
     RfRenderSettings settings = moving_settings( 3, 7 );
     settings.adaptive = RF_ADAPTIVE_ON;
     settings.aovs = RF_AOV_BIT( RF_AOV_SAMPLES );
-    Layers kept;
-    RfError error;
-    if ( render_part( &scene, eyes, 7, 5, 6, &settings, &kept, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
+    const float* kept = render_one( &s, 5, &settings )->aovs[RF_AOV_SAMPLES];
     double samples[2] = { 0 };
     for ( int i = 0; i < WIDTH * HEIGHT; ++i )
-        samples[i % WIDTH >= WIDTH / 2] += (double)kept.samples[0][i];
+        samples[i % WIDTH >= WIDTH / 2] += (double)kept[i];
     assert_true( samples[1] > 1.02 * samples[0] );
-    free_layers( &kept );
-    rf_destroy_scene( &scene );
 }
 
 // ---- Memory ---------------------------------------------------------------------
 
-static RfMemoryFit fit_of( const RfTracer* tracer, const RfEye* eyes, int count, const RfRenderSettings* settings )
+TEST( test_the_budget_counts_what_moves )
 {
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, load_sliding( ( const float[3] ){ 0.8f, 0, 0 } ), 9, 0.0 );
+    RfRenderSettings settings = moving_settings( 1, 3 );
+    size_t five = rf_worlds_bytes( &s.scene, 5, 0 ), three = rf_worlds_bytes( &s.scene, 3, 0 );
+    assert_true( three > 0 && five > three );
+    assert_int_equal( rf_worlds_held( &s.scene, 9, 3, true, false ), 5 );
+    assert_int_equal( rf_worlds_held( &s.scene, 9, 7, true, true ), 9 );
+    settings.adaptive = RF_ADAPTIVE_OFF;
+    settings.aovs = RF_AOV_BIT( RF_AOV_DEPTH ) | RF_AOV_BIT( RF_AOV_MOTION );
+    RfShot shot = stage_shot( &s, &( int ){ 4 }, 1 );
     RfRenderSettings resolved;
     RfMemoryFit fit;
     RfError error;
-    RfShot shot = { tracer, eyes, count, NULL, 1 };
-    if ( rf_resolve_settings( &shot, settings, &resolved, &error ) != RF_OK ||
-         rf_fit_memory( &shot, &resolved, &fit, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    return fit;
-}
-
-TEST( test_the_budget_counts_what_moves )
-{
-    RfEye eyes[9];
-    still_eyes( eyes, 9, 0.0 );
-    RfScene scene = load_sliding( ( const float[3] ){ 0.8f, 0, 0 } );
-    RfTracer* tracer = make_tracer( &scene );
-    RfRenderSettings settings = moving_settings( 1, 3 );
-    size_t five = rf_worlds_bytes( &scene, 5, 0 ), three = rf_worlds_bytes( &scene, 3, 0 );
-    assert_true( three > 0 && five > three );
-    assert_int_equal( rf_worlds_held( &scene, 9, 3, true, false ), 5 );
-    assert_int_equal( rf_worlds_held( &scene, 9, 7, true, true ), 9 );
-    settings.adaptive = RF_ADAPTIVE_OFF;
-    settings.aovs = RF_AOV_BIT( RF_AOV_DEPTH ) | RF_AOV_BIT( RF_AOV_MOTION );
-    RfMemoryFit with = fit_of( tracer, eyes, 9, &settings );
-    settings.memory = with.least;
-    RfRenderStats stats;
-    RfError error;
-    assert_int_equal( rf_render( &( RfShot ){ tracer, eyes, 9, &( int ){ 4 }, 1 }, &settings, NULL, &stats, &error ), RF_OK );
-    assert_true( stats.peak_bytes <= with.least );
+    assert_int_equal( rf_resolve_settings( &shot, &settings, &resolved, &error ), RF_OK );
+    assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_OK );
+    settings.memory = fit.least;
+    render_one( &s, 4, &settings );
+    assert_true( s.stats.peak_bytes <= fit.least );
     size_t moving = 0;
-    for ( int i = 0; i < stats.entry_count; ++i )
-        moving += strcmp( stats.entries[i].name, "moving" ) == 0 ? stats.entries[i].peak : 0;
+    for ( int i = 0; i < s.stats.entry_count; ++i )
+        moving += strcmp( s.stats.entries[i].name, "moving" ) == 0 ? s.stats.entries[i].peak : 0;
     assert_true( moving == rf_arena_size( five ) );
-    settings.memory = with.least - 1024;
-    assert_int_equal( rf_render( &( RfShot ){ tracer, eyes, 9, &( int ){ 4 }, 1 }, &settings, NULL, NULL, &error ),
-                      RF_ERROR_MEMORY );
-    assert_true( error.least_memory == with.least );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
+    settings.memory = fit.least - 1024;
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_MEMORY );
+    assert_true( error.least_memory == fit.least );
 }
 
 // A strip of squares that a morph target moves, and `count` of it.
@@ -563,27 +465,24 @@ TEST( test_embree_holds_no_more_than_counted )
         RfScene scene = kind == 0   ? load_strips( 100, 1 )
                         : kind == 1 ? load_strips( 2, 60 )
                                     : load_sliding( ( const float[3] ){ 1, 0, 0 } );
-        RfEye eyes[12];
+        AUTO_BY( close_stage ) Stage s;
         RfError error;
-        RfWorlds worlds;
-        still_eyes( eyes, 12, 0.0 );
+        AUTO_BY( rf_destroy_worlds ) RfWorlds worlds;
+        open_plates( &s, scene, 12, 0.0 );
         for ( int k = 0; k < 12; ++k )
-            open_eye( eyes + k, 0.25, steps );
-        RfTracer* tracer = make_tracer( &scene );
+            open_eye( s.eyes + k, 0.25, steps );
+        const RfTracer* tracer = stage_tracer( &s );
         size_t before = rf_tracer_bytes( tracer );
-        assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, eyes, 12, NULL, 0 }, 5, false, &worlds, &error ), RF_OK );
+        assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, s.eyes, 12, NULL, 0 }, 5, false, &worlds, &error ), RF_OK );
         for ( int first = 0; first + 5 <= 12; ++first )
         {
             assert_non_null( rf_open_worlds( &worlds, first, 5 ) );
-            size_t poses = 5 * (size_t)( steps + 1 ) * rf_pose_bytes( &scene ), held = rf_tracer_bytes( tracer ) - before;
-            size_t counted = rf_worlds_bytes( &scene, 5, steps ) - poses;
+            size_t poses = 5 * (size_t)( steps + 1 ) * rf_pose_bytes( &s.scene ), held = rf_tracer_bytes( tracer ) - before;
+            size_t counted = rf_worlds_bytes( &s.scene, 5, steps ) - poses;
             if ( first == 0 || held > counted )
                 printf( "kind %d, %d steps: %zu of %zu bytes\n", kind, steps, held, counted );
             assert_true( held <= counted );
         }
-        rf_destroy_worlds( &worlds );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -593,29 +492,19 @@ TEST( test_embree_holds_no_more_than_counted )
 TEST( test_a_pose_that_fails )
 {
     static const float s_keys[] = { 0, 2.05f, 2.2f, 4 }, s_places[] = { 0, 0, 0, 3e15f, 0, 0, 0, 0, 0, 0, 0, 0 };
-    GltfBuilder b = { 0 };
-    add_gltf_floats( &b, "VEC3", 3, 4, s_plate );
-    add_gltf_u16( &b, 6, s_faces );
-    add_gltf_floats( &b, "VEC3", 3, 4, s_wall );
-    add_gltf_floats( &b, "SCALAR", 1, 4, s_keys );
+    GltfBuilder b = make_plate_at( s_keys, 4 );
     add_gltf_floats( &b, "VEC3", 3, 4, s_places );
     RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":1},{\"mesh\":0,\"name\":\"plate\"}]," MESHES(
                                              "},\"indices\":1,\"material\":0" ) MOVED( "1", "translation", "STEP" ) );
-    RfEye eyes[5];
-    still_eyes( eyes, 5, 0.125 );
+    AUTO_BY( close_stage ) Stage s;
+    open_plates( &s, scene, 5, 0.125 );
     for ( int group = 0; group <= 1; ++group )
     {
         RfRenderSettings settings = moving_settings( group, 3 );
         settings.aovs = 0;
-        Layers kept;
-        RfError error;
-        assert_int_equal( render_part( &scene, eyes, 5, 0, 5, &settings, &kept, &error ), RF_ERROR_SCENE );
-        assert_non_null( strstr( error.text, "object 'plate' at 2.125 s" ) );
-        assert_null( strchr( error.text, '\n' ) );
-        assert_int_equal( kept.count, group == 0 ? 2 : 0 ); // those before; none that shares a group with it
-        free_layers( &kept );
+        expect_failure( &s, &settings, RF_ERROR_SCENE, "object 'plate' at 2.125 s" );
+        assert_int_equal( s.handed_over, group == 0 ? 2 : 0 ); // those before; none that shares a group with it
     }
-    rf_destroy_scene( &scene );
 }
 
 SHARED_BY_TESTS( gltf_enter, gltf_leave )

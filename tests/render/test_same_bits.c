@@ -3,8 +3,8 @@
 // tiles.
 #include "support/rooms.h"
 #include "support/reference_tracer.h"
+#include "support/render_one.h"
 #include "support/render_support.h"
-#include "support/scene_builder.h"
 #include "support/test.h"
 
 #include <stdlib.h>
@@ -19,9 +19,10 @@
 #define HEIGHT 34
 #endif
 
-static RfRenderSettings quick( int group, int spp )
+static RfRenderSettings quick( int group, int spp, const char* tile )
 {
     RfRenderSettings settings = plain_settings();
+    assert_true( rf_parse_tile( tile, &settings.tile ) );
     settings.group = group;
     settings.spp = spp;
     settings.threads = 1;
@@ -29,46 +30,34 @@ static RfRenderSettings quick( int group, int spp )
     return settings;
 }
 
-static RfTile tile_of( const char* name )
+// Frames of two renders, of which the second may be of fewer.
+static void expect_same_frames( const RfFrameResult* a, const RfFrameResult* b, int count )
 {
-    RfTile tile;
-    assert_true( rf_parse_tile( name, &tile ) );
-    return tile;
-}
-
-static void assert_same_frames( const Rendered* a, int first_a, const Rendered* b, int first_b, int count )
-{
-    assert_memory_equal( frame_rgb( a, first_a ), frame_rgb( b, first_b ), 3 * a->pixels * (size_t)count * sizeof( float ) );
-    assert_memory_equal( frame_weight( a, first_a ), frame_weight( b, first_b ), a->pixels * (size_t)count * sizeof( float ) );
-    assert_memory_equal( a->relmse_estimate + first_a, b->relmse_estimate + first_b, (size_t)count * sizeof( double ) );
+    for ( int i = 0; i < count; ++i )
+    {
+        expect_same_bits( a + i, b + i );
+        assert_memory_equal( &a[i].relmse_estimate, &b[i].relmse_estimate, sizeof a->relmse_estimate );
+    }
 }
 
 static void check_plain( RfScene scene, int light_samples, int max_depth )
 {
-    RfTracer* tracer = make_tracer( &scene );
-    RfEye eyes[EYES];
-    orbit_eyes( eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    RfRenderSettings settings = quick( 0, 5 );
+    AUTO_BY( close_stage ) Stage s;
+    open_stage( &s, scene, EYES, 4.0f, WIDTH, HEIGHT );
+    RfRenderSettings settings = quick( 0, 5, "1" );
     settings.light_samples = light_samples;
     settings.max_depth = max_depth;
     settings.seed = 7;
-    int frames[] = { 2, 5 };
-    Rendered rendered = render_frames( tracer, eyes, EYES, frames, 2, &settings );
-    float* reference = malloc( 3 * rendered.pixels * sizeof( float ) );
     double sum = 0.0;
-    for ( int k = 0; k < 2; ++k )
+    for ( int frame = 2; frame <= 5; frame += 3 )
     {
-        ReferenceSettings plain = reference_settings_of( &settings, frames[k] );
-        reference_image( tracer, eyes + frames[k], &plain, reference );
-        assert_memory_equal( frame_rgb( &rendered, k ), reference, 3 * rendered.pixels * sizeof( float ) );
-        for ( size_t i = 0; i < 3 * rendered.pixels; ++i )
-            sum += (double)reference[i];
+        float reference[3 * WIDTH * HEIGHT];
+        ReferenceSettings plain = reference_settings_of( &settings, frame );
+        reference_image( stage_tracer( &s ), s.eyes + frame, &plain, reference );
+        assert_memory_equal( render_one( &s, frame, &settings )->rgb, reference, sizeof reference );
+        sum += brightness( reference, 3 * WIDTH * HEIGHT );
     }
     assert_true( sum > 0.0 || max_depth == 1 ); // the light itself is not in view
-    free( reference );
-    free_rendered( &rendered );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 // All eyes within a body that absorbs, with something in it.
@@ -112,32 +101,11 @@ TEST( test_group_0_is_a_plain_path_tracer )
         check_plain( make_pane_room( (PaneLight)light ), 1 + light % 2, 7 );
 }
 
-// One scene, one setting, and what is changed without effect.
-typedef struct Twice
+static const RfFrameResult* begin( Stage* s, const RfRenderSettings* settings )
 {
-    RfScene scene;
-    RfTracer* tracer;
-    RfEye eyes[EYES];
-    Rendered whole;
-} Twice;
-
-static void end_twice( Twice* t )
-{
-    free_rendered( &t->whole );
-    rf_destroy_tracer( t->tracer );
-    rf_destroy_scene( &t->scene );
+    open_stage( s, make_room( ROOM_GGX ), EYES, 4.0f, WIDTH, HEIGHT );
+    return render_stage( s, settings );
 }
-
-static void begin_in( Twice* t, RfScene scene, const RfRenderSettings* settings )
-{
-    *t = ( Twice ){ .scene = scene };
-    orbit_eyes( t->eyes, EYES, 4.0f, WIDTH, HEIGHT );
-    t->tracer = make_tracer( &t->scene );
-    t->whole = render_all( t->tracer, t->eyes, EYES, settings );
-    assert_int_equal( t->whole.count, EYES );
-}
-
-static void begin( Twice* t, const RfRenderSettings* settings ) { begin_in( t, make_room( ROOM_GGX ), settings ); }
 
 TEST( test_threads_and_runs )
 {
@@ -146,20 +114,16 @@ TEST( test_threads_and_runs )
     {
         for ( int group = 0; group <= 2; group += 2 )
         {
-            RfRenderSettings settings = quick( group, 6 );
+            RfRenderSettings settings = quick( group, 6, w == 0 ? "3x3" : w == 1 ? "1" : "rooks9" );
             settings.weights = weights[w];
-            settings.tile = tile_of( w == 0 ? "3x3" : w == 1 ? "1" : "rooks9" );
-            Twice t;
-            begin( &t, &settings );
+            AUTO_BY( close_stage ) Stage s;
+            const RfFrameResult* whole = begin( &s, &settings );
             static const int threads[] = { 1, 2, 3, 5, 16 }; // more than there are cores or batches, too
             for ( int k = 0; k < 5; ++k )
             {
                 settings.threads = threads[k];
-                Rendered again = render_all( t.tracer, t.eyes, EYES, &settings );
-                assert_same_frames( &t.whole, 0, &again, 0, EYES );
-                free_rendered( &again );
+                expect_same_frames( whole, render_stage( &s, &settings ), EYES );
             }
-            end_twice( &t );
         }
     }
 }
@@ -169,53 +133,35 @@ TEST( test_alone_and_in_sequence )
     static const int groups[] = { 0, 1, 3, 20 };
     for ( int g = 0; g < 4; ++g )
     {
-        RfRenderSettings settings = quick( groups[g], 7 );
-        settings.tile = tile_of( g % 2 == 0 ? "rooks36" : "2x3" );
-        Twice t;
-        begin( &t, &settings );
+        RfRenderSettings settings = quick( groups[g], 7, g % 2 == 0 ? "rooks36" : "2x3" );
+        AUTO_BY( close_stage ) Stage s;
+        const RfFrameResult* whole = begin( &s, &settings );
         static const int frames[] = { 0, 4, 7 };
         for ( int k = 0; k < 3; ++k )
-        {
-            Rendered alone = render_frames( t.tracer, t.eyes, EYES, frames + k, 1, &settings );
-            assert_int_equal( alone.count, 1 );
-            assert_same_frames( &t.whole, frames[k], &alone, 0, 1 );
-            free_rendered( &alone );
-        }
-        end_twice( &t );
+            expect_same_frames( whole + frames[k], render_one( &s, frames[k], &settings ), 1 );
     }
 }
 
 TEST( test_any_budget_same_bits )
 {
-    RfRenderSettings settings = quick( 2, 5 );
-    settings.tile = tile_of( "3x3" );
-    Twice t;
-    begin( &t, &settings );
-    size_t needed = t.whole.stats.peak_bytes;
+    RfRenderSettings settings = quick( 2, 5, "3x3" );
+    AUTO_BY( close_stage ) Stage s;
+    const RfFrameResult* whole = begin( &s, &settings );
+    size_t needed = s.stats.peak_bytes;
     settings.memory = needed - ( needed / 8 ); // fewer batches at once
-    Rendered small = render_all( t.tracer, t.eyes, EYES, &settings );
-    assert_true( small.stats.peak_bytes <= settings.memory );
-    assert_true( small.stats.peak_bytes < needed );
-    assert_same_frames( &t.whole, 0, &small, 0, EYES );
-    free_rendered( &small );
+    const RfFrameResult* small = render_stage( &s, &settings );
+    assert_true( s.stats.peak_bytes <= settings.memory );
+    assert_true( s.stats.peak_bytes < needed );
+    expect_same_frames( whole, small, EYES );
 
     settings.memory = 100000;
     RfError error;
-    int frame = 0;
-    assert_int_equal( rf_render( &( RfShot ){ t.tracer, t.eyes, EYES, &frame, 1 }, &settings, NULL, NULL, &error ),
-                      RF_ERROR_MEMORY );
+    RfShot shot = stage_shot( &s, &( int ){ 0 }, 1 );
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_ERROR_MEMORY );
     assert_int_equal( error.remedy, RF_REMEDY_MEMORY );
     assert_true( error.least_memory > 100000 );
     settings.memory = error.least_memory; // which is enough
-    assert_int_equal( rf_render( &( RfShot ){ t.tracer, t.eyes, EYES, &frame, 1 }, &settings, NULL, NULL, &error ), RF_OK );
-    end_twice( &t );
-}
-
-static void check_all_again( const Twice* t, RfRenderSettings settings )
-{
-    Rendered again = render_all( t->tracer, t->eyes, EYES, &settings );
-    assert_same_frames( &t->whole, 0, &again, 0, EYES );
-    free_rendered( &again );
+    assert_int_equal( rf_render( &shot, &settings, NULL, NULL, &error ), RF_OK );
 }
 
 // Groups with tiles: threads, some frames only, less memory.
@@ -224,33 +170,30 @@ TEST( test_mirrors_and_glass_same_bits )
     static const MirrorRoom rooms[] = { FLAT_MIRROR, FACING_MIRRORS, MIRROR_BEHIND_PANE, GLASS_BALL };
     for ( size_t k = 0; k < sizeof rooms / sizeof rooms[0]; ++k )
     {
-        RfRenderSettings settings = quick( 3, 7 );
-        settings.tile = tile_of( "3x3" );
+        RfRenderSettings settings = quick( 3, 7, "3x3" );
         settings.max_depth = 6;
-        Twice t;
-        begin_in( &t, make_mirror_room( rooms[k] ), &settings );
+        AUTO_BY( close_stage ) Stage s;
+        open_stage( &s, make_mirror_room( rooms[k] ), EYES, 4.0f, WIDTH, HEIGHT );
+        const RfFrameResult* whole = render_stage( &s, &settings );
+        size_t needed = s.stats.peak_bytes;
         static const int frames[] = { 2, 7 };
-        Rendered some = render_frames( t.tracer, t.eyes, EYES, frames, 2, &settings );
+        RfShot two = stage_shot( &s, frames, 2 );
+        const RfFrameResult* some = render_shot( &s, &two, &settings );
         for ( int f = 0; f < 2; ++f )
-            assert_same_frames( &t.whole, frames[f], &some, f, 1 );
-        free_rendered( &some );
+            expect_same_frames( whole + frames[f], some + f, 1 );
         settings.threads = 4;
-        check_all_again( &t, settings );
+        expect_same_frames( whole, render_stage( &s, &settings ), EYES );
         settings.threads = 1;
-        settings.memory = t.whole.stats.peak_bytes / 8 * 7;
-        check_all_again( &t, settings );
-        end_twice( &t );
+        settings.memory = needed / 8 * 7;
+        expect_same_frames( whole, render_stage( &s, &settings ), EYES );
     }
 }
 
 TEST( test_seeds_differ )
 {
-    RfRenderSettings settings = quick( 1, 3 );
-    Twice t;
-    begin( &t, &settings );
+    RfRenderSettings settings = quick( 1, 3, "1" );
+    AUTO_BY( close_stage ) Stage s;
+    const RfFrameResult* whole = begin( &s, &settings );
     settings.seed = 2;
-    Rendered other = render_all( t.tracer, t.eyes, EYES, &settings );
-    assert_memory_not_equal( frame_rgb( &t.whole, 0 ), frame_rgb( &other, 0 ), 3 * other.pixels * sizeof( float ) );
-    free_rendered( &other );
-    end_twice( &t );
+    assert_memory_not_equal( whole->rgb, render_one( &s, 0, &settings )->rgb, 3 * WIDTH * HEIGHT * sizeof( float ) );
 }

@@ -6,11 +6,6 @@
 #include "scene/camera_path/camera_track.h"
 #include "scene/movement.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define HALF_SQRT2 0.70710678118654752440
 
 static void assert_near( double got, double want, double tolerance )
@@ -345,8 +340,7 @@ TEST( test_parallel_axes_fail )
 
 TEST( test_destroying_nothing_is_allowed )
 {
-    RfScene scene = { 0 };
-    rf_destroy_scene( &scene );
+    AUTO_SCENE scene = { 0 };
     rf_destroy_scene( NULL );
 }
 

@@ -6,8 +6,6 @@
 #include "support/test.h"
 #include "trace/trace.h"
 
-#include <stdio.h>
-
 #define RAYS 1024
 #define ROUNDS 64
 
@@ -56,9 +54,9 @@ static void check_things( float scale, RfVec3 shift )
     float meets[RAYS], u[RAYS], v[RAYS];
     uint32_t triangle[RAYS];
     int found = 0, met = 0, missed = 0;
-    RfScene scene = make_things();
+    AUTO_SCENE scene = make_things();
     move_scene( &scene, scale, shift );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     const RfChainBounds* bounds = rf_tracer_chain_bounds( tracer );
     const float *o[3] = { rays.o[0], rays.o[1], rays.o[2] }, *d[3] = { rays.d[0], rays.d[1], rays.d[2] };
     assert_in_range( bounds->count, 3, RF_MAX_CHAIN_BOUNDS );
@@ -80,8 +78,6 @@ static void check_things( float scale, RfVec3 shift )
     assert_true( found > 1000 );
     assert_int_equal( missed, 0 );
     assert_true( met < 4 * found );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_no_ray_is_lost )
@@ -94,9 +90,7 @@ TEST( test_no_ray_is_lost )
 
 TEST( test_without_mirrors_and_glass_there_are_none )
 {
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
+    AUTO_TRACER tracer = make_tracer( &scene );
     assert_int_equal( rf_tracer_chain_bounds( tracer )->count, 0 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }

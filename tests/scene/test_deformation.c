@@ -7,12 +7,6 @@
 #include "scene/placement.h"
 #include "scene/pose.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define HALF 0.70710678118654752
 
 static const float s_times[] = { 0, 1 };
@@ -59,7 +53,7 @@ TEST( test_a_bent_arm )
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
-    RfScene scene = gltf_load_built( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
+    AUTO_SCENE scene = gltf_load_built( &b, STRIP( "," LINEAR( "2", "rotation", "6", "7" ) ) );
     assert_int_equal( scene.triangles.count, 0 );
     assert_int_equal( scene.placement_count, 1 );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
@@ -82,7 +76,6 @@ TEST( test_a_bent_arm )
     gltf_assert_rgb( pose.scene.meshes[pose.scene.placements[0].mesh].bounds_min, 2, 0, 0 );
     gltf_assert_rgb( pose.scene.meshes[pose.scene.placements[0].mesh].bounds_max, 3, 1, 1 );
     rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // By linear blending, a twist of 180 degrees pinches the middle: there the matrix has no volume.
@@ -119,8 +112,8 @@ TEST( test_mirrored_skins_keep_their_outside )
     GltfBuilder b = make_strip();
     static const float s_scales[] = { 1, 1, 1, 1, 1, -1 };
     add_gltf_floats( &b, "VEC3", 3, 2, s_scales );
-    RfScene scene = gltf_load_built( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
-    RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
+    AUTO_SCENE scene = gltf_load_built( &b, STRIP( "," LINEAR( "1", "scale", "6", "7" ) ) );
+    AUTO_POSE pose = gltf_pose_at( &scene, 1.0 );
     for ( uint32_t i = 0; i < 4; ++i )
     {
         double p[3][3];
@@ -132,15 +125,13 @@ TEST( test_mirrored_skins_keep_their_outside )
         double across = ( p[1][1] - p[0][1] ) * ( p[2][2] - p[0][2] ) - ( p[1][2] - p[0][2] ) * ( p[2][1] - p[0][1] );
         assert_true( across > 0.0 );
     }
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // A skin whose joints stand still is triangles like any others.
 TEST( test_a_posed_figure_that_stands_still )
 {
     GltfBuilder b = make_strip();
-    RfScene scene = gltf_load_built( &b, STRIP( "" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, STRIP( "" ) );
     assert_null( scene.movement );
     assert_int_equal( scene.placement_count, 0 );
     assert_int_equal( scene.mesh_count, 0 );
@@ -148,7 +139,6 @@ TEST( test_a_posed_figure_that_stands_still )
     gltf_assert_corner( &scene, 0, 3, 0, 0 );
     gltf_assert_corner( &scene, 11, 3, 2, 1 );
     gltf_assert_rgb( scene.bounds_max, 3, 2, 1 );
-    rf_destroy_scene( &scene );
 }
 
 // Tangents turn with the joints; where these mirror, the bitangent stays on its side.
@@ -169,8 +159,8 @@ TEST( test_tangents_of_a_skin )
                   "\"WEIGHTS_0\":4},\"indices\":2}]}],\"animations\":[{\"samplers\":[{\"input\":6,\"output\":%d}],\"channels\":[{"
                   "\"sampler\":0,\"target\":{\"node\":1,\"path\":\"%s\"}}]}]",
                   7 + k, k == 0 ? "rotation" : "scale" );
-        RfScene scene = gltf_load_built( &b, rest );
-        RfPosedScene pose = gltf_pose_at( &scene, k == 0 ? 0.0 : 1.0 );
+        AUTO_SCENE scene = gltf_load_built( &b, rest );
+        AUTO_POSE pose = gltf_pose_at( &scene, k == 0 ? 0.0 : 1.0 );
         const RfTriangles* t = &pose.scene.meshes[pose.scene.placements[0].mesh].triangles;
         // vertices in the order of their first use: 0 2 1 3 4 5
         gltf_assert_three( t->tangents, k == 0, 0, k == 0 ? 0 : -1 );
@@ -178,8 +168,6 @@ TEST( test_tangents_of_a_skin )
         gltf_assert_near( t->tangents[7], k == 0 ? -1 : 1 );
         gltf_assert_three( t->tangents + 20, 0, 0, 0 ); // none in the file
         gltf_assert_near( t->tangents[23], 0 );
-        rf_destroy_pose( &pose );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -189,16 +177,14 @@ TEST( test_a_figure_far_out )
     GltfBuilder b = make_strip();
     static const float s_turns[] = { 0, 0, 0, 1, 0, 0, (float)HALF, (float)HALF };
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[10000000.125,0,0]},{\"translation\":[0,1,"
             "0]}],\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
                 "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2}" ) "," LINEAR( "2", "rotation",
                                                                                                                "6", "7" ) );
     assert_true( fabs( scene.origin[0] - 1e7 ) < 100.0 );
-    RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 1.0 );
     gltf_assert_placed_corner( &pose.scene, 2, 1, 10000000.125 - scene.origin[0] - 1, 1, 0 );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // ---- Morph targets --------------------------------------------------------------
@@ -255,7 +241,7 @@ TEST( test_morph_targets )
 {
     static const float s_weights[] = { 0, 0, 1, 0, 0, 1 };
     GltfBuilder b = make_morph( 6, s_weights );
-    RfScene scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "LINEAR" ) );
     assert_int_equal( scene.placement_count, 1 );
     assert_int_equal( scene.movement->movers[0].target_count, 2 );
     RfPosedScene pose = gltf_pose_at( &scene, 0.5 ); // half of the lift, whose normals lean by half
@@ -273,7 +259,6 @@ TEST( test_morph_targets )
     gltf_assert_unit_normals( &pose.scene );
     rf_destroy_pose( &pose );
     assert_false( rf_scene_moves( &scene, 3.0, 4.0 ) );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_weights_by_splines )
@@ -281,7 +266,7 @@ TEST( test_weights_by_splines )
     // in-tangents, values, out-tangents of each key, each of two weights
     static const float s_spline[] = { 0, 0, 0.25f, 0, 1, 0, -1, 0, 0.5f, 0, 2, 0, 3, 0, 0, 0, 0, 0 };
     GltfBuilder b = make_morph( 18, s_spline );
-    RfScene scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "CUBICSPLINE" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, SQUARE( "" ) "," WEIGHTS( "8", "CUBICSPLINE" ) );
     for ( int k = 0; k <= 12; ++k )
     {
         double time = 0.25 * k, length = time < 1 ? 1 : 2, t = time < 1 ? time : ( time - 1 ) / 2;
@@ -289,11 +274,9 @@ TEST( test_weights_by_splines )
         double w = ( 2 * t * t * t - 3 * t * t + 1 ) * (double)from[0] +
                    length * ( t * t * t - 2 * t * t + t ) * (double)from[2] + ( 3 * t * t - 2 * t * t * t ) * (double)from[6] +
                    length * ( t * t * t - t * t ) * (double)from[4];
-        RfPosedScene pose = gltf_pose_at( &scene, time );
+        AUTO_POSE pose = gltf_pose_at( &scene, time );
         gltf_assert_placed_corner( &pose.scene, 0, 0, 1, 0, 5 + 2 * w );
-        rf_destroy_pose( &pose );
     }
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_weights_at_rest )
@@ -325,7 +308,7 @@ TEST( test_morph_targets_of_a_skin )
     add_gltf_floats( &b, "VEC4", 4, 2, s_turns );
     add_gltf_floats( &b, "VEC3", 3, 6, s_wider );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_half );
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"skin\":0},{\"children\":[2],\"translation\":[3,0,0]},{\"translation\":[0,1,0]}],"
             "\"skins\":[{\"joints\":[1,2],\"inverseBindMatrices\":5}]," ONE_MESH(
                 "{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":3,\"WEIGHTS_0\":4},\"indices\":2,\"targets\":[{\"POSITION\":8}]"
@@ -333,11 +316,9 @@ TEST( test_morph_targets_of_a_skin )
                       "\"sampler\":0,"
                       "\"target\":{\"node\":2,\"path\":\"rotation\"}},{\"sampler\":1,\"target\":{\"node\":0,\"path\":"
                       "\"weights\"}}]}]" );
-    RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 1.0 );
     gltf_assert_placed_corner( &pose.scene, 2, 1, 1.5, 1, 0 );
     gltf_assert_placed_corner( &pose.scene, 3, 2, 1.5, 1, 1 );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // One of two triangles closes: the other stays, each with its number.
@@ -351,18 +332,16 @@ TEST( test_a_triangle_that_closes )
     add_gltf_floats( &b, "VEC3", 3, 6, s_closing );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_weights );
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0}]," ONE_MESH( "{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":1}]}" ) "," LINEAR(
                 "0", "weights", "2", "3" ) );
-    RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 1.0 );
     const RfTriangles* t = &pose.scene.meshes[pose.scene.placements[0].mesh].triangles;
     assert_true( pose.scene.placements[0].shown );
     assert_int_equal( t->count, 2 );
     assert_true( t->indices[0] != t->indices[1] );
     assert_true( t->indices[3] == t->indices[4] && t->indices[3] == t->indices[5] );
     gltf_assert_unit_normals( &pose.scene );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // By joints, and by weights that nobody means.
@@ -405,32 +384,29 @@ TEST( test_the_fox_walks )
     assert_true( scene.movement->end != survey );
     for ( int k = 0; k <= 8; ++k )
     {
-        RfPosedScene pose = gltf_pose_at( &scene, scene.movement->end * k / 8 );
+        AUTO_POSE pose = gltf_pose_at( &scene, scene.movement->end * k / 8 );
         const RfMesh* mesh = pose.scene.meshes + pose.scene.placements[0].mesh;
         RfVec3 size = rf_sub( mesh->bounds_max, mesh->bounds_min );
         assert_in_range( (int)size.z, 120, 200 ); // from nose to tail
         assert_in_range( (int)size.y, 60, 110 );
         assert_true( mesh->bounds_min.y > -10 );
         gltf_assert_unit_normals( &pose.scene );
-        rf_destroy_pose( &pose );
     }
     rf_destroy_scene( &scene );
 }
 
 TEST( test_the_morph_stress_test )
 {
-    RfScene scene = gltf_load_with( animated( "MorphStressTest.gltf" ), &( RfGltfOptions ){ .animation = "Pulse" } );
+    AUTO_SCENE scene = gltf_load_with( animated( "MorphStressTest.gltf" ), &( RfGltfOptions ){ .animation = "Pulse" } );
     assert_int_equal( scene.unrendered_count, 0 );
     assert_true( scene.movement->mover_count >= 1 && scene.movement->movers[0].target_count == 8 );
     assert_true( rf_scene_moves( &scene, 0.1, 0.9 ) );
     for ( int k = 0; k <= 8; ++k )
     {
-        RfPosedScene pose = gltf_pose_at( &scene, scene.movement->end * k / 8 );
+        AUTO_POSE pose = gltf_pose_at( &scene, scene.movement->end * k / 8 );
         assert_true( pose.scene.placements[scene.still_placement_count].shown );
         gltf_assert_unit_normals( &pose.scene );
-        rf_destroy_pose( &pose );
     }
-    rf_destroy_scene( &scene );
 }
 
 SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -5,10 +5,6 @@
 #include "support/scene_builder.h"
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define SAMPLES 4096
 
 static RfEye test_eye( void )
@@ -149,8 +145,8 @@ TEST( test_a_moving_edge_is_a_ramp )
     uint32_t light = add_material( &builder, make_light( 1.0f, true ) ), dark = add_material( &builder, make_lambert( 0, 0, 0 ) );
     add_quad( &builder, light, rf_vec3( -9, -9, -2 ), rf_vec3( 0, -9, -2 ), rf_vec3( 0, 9, -2 ), rf_vec3( -9, 9, -2 ) );
     add_quad( &builder, dark, rf_vec3( 0, -9, -2 ), rf_vec3( 9, -9, -2 ), rf_vec3( 9, 9, -2 ), rf_vec3( 0, 9, -2 ) );
-    RfScene scene = finish_scene( &builder );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = finish_scene( &builder );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[3], shut[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -169,7 +165,7 @@ TEST( test_a_moving_edge_is_a_ramp )
     settings.spp = 3 * 2048;
     settings.max_depth = 1;
     int frame = 1;
-    Rendered r = render_frames( tracer, eyes, 3, &frame, 1, &settings );
+    AUTO_BY( free_rendered ) Rendered r = render_frames( tracer, eyes, 3, &frame, 1, &settings );
     for ( int x = 0; x < W; ++x )
     {
         double sum = 0.0;
@@ -181,15 +177,12 @@ TEST( test_a_moving_edge_is_a_ramp )
             wanted += fmin( fmax( ( W / 2 + 10.0 - ( x + ( k + 0.5 ) / 100.0 ) ) / 20.0, 0.0 ), 1.0 ) / 100.0;
         assert_float_equal( sum, wanted, 0.03 );
     }
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_threads_change_nothing )
 {
-    RfScene scene = make_room( ROOM_GGX );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[7], path[8];
     orbit_eyes( path, 8, 1.0f, 60, 44 );
     for ( int i = 0; i < 7; ++i )
@@ -205,13 +198,9 @@ TEST( test_threads_change_nothing )
     settings.spp = 5;
     settings.tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
     settings.threads = 1;
-    Rendered one = render_all( tracer, eyes, 7, &settings );
+    AUTO_BY( free_rendered ) Rendered one = render_all( tracer, eyes, 7, &settings );
     settings.threads = 3;
-    Rendered three = render_all( tracer, eyes, 7, &settings );
+    AUTO_BY( free_rendered ) Rendered three = render_all( tracer, eyes, 7, &settings );
     size_t bytes = 7 * 3 * one.pixels * sizeof( float );
     assert_memory_equal( one.rgb, three.rgb, bytes );
-    free_rendered( &one );
-    free_rendered( &three );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }

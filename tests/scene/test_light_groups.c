@@ -8,10 +8,6 @@
 #include "scene/placement.h"
 #include "scene/pose.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
 #define TAG( name ) "\"extras\":{\"reframe\":{\"light_group\":\"" name "\"}}"
 #define LAMP( name, more ) "{\"type\":\"point\",\"name\":\"" name "\"" more "}"
 #define USES( light ) "\"extensions\":{\"KHR_lights_punctual\":{\"light\":" light "}}"
@@ -56,7 +52,7 @@ static void expect_light( const RfScene* scene, int index, const char* kind, con
 TEST( test_a_material_in_several_groups_is_split )
 {
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built( &b, ROOM( "" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, ROOM( "" ) );
     assert_int_equal( scene.material_count, 5 );
     assert_int_equal( scene.light_group_count, 4 );
     const char* const groups[] = { "none", "none", "key", "fill", "rim" };
@@ -79,14 +75,13 @@ TEST( test_a_material_in_several_groups_is_split )
     expect_light( &scene, 8, "sky", "environment", "sky", true );
     RfLightInfo light;
     assert_false( rf_scene_light( &scene, 9, &light ) );
-    rf_destroy_scene( &scene );
 }
 
 // Of one group, a material is what it was.
 TEST( test_a_material_in_one_group_is_kept )
 {
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"scenes\":[{\"nodes\":[0,1]}],\"materials\":[" MATERIAL(
                 "bulb", ",\"emissiveFactor\":[1,1,1],\"extras\":{\"reframe\":{\"bsdf\":\"lambert\","
                         "\"diffuse\":[0.5,0.5,0.5],\"light_group\":\"own\"}}" ) "],\"meshes\":[{"
@@ -99,7 +94,6 @@ TEST( test_a_material_in_one_group_is_kept )
     assert_int_equal( scene.material_count, 1 );
     assert_int_equal( scene.materials[0].kind, RF_BSDF_LAMBERT );
     assert_string_equal( name_of( &scene, scene.materials[0].light_group ), "key" );
-    rf_destroy_scene( &scene );
 }
 
 #define DIMS                                                                                                                     \
@@ -110,18 +104,16 @@ TEST( test_a_material_in_one_group_is_kept )
 TEST( test_copies_change_as_well )
 {
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built( &b, ROOM( DIMS ) );
+    AUTO_SCENE scene = gltf_load_built( &b, ROOM( DIMS ) );
     assert_int_equal( scene.movement->material_count, 4 );
-    RfPosedScene pose = gltf_pose_at( &scene, 2.0 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 2.0 );
     for ( uint32_t i = 0; i < 5; ++i )
         gltf_assert_near( pose.scene.materials[i].emission.y, i == 1 ? 0.0 : 3.0 );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 static void expect_groups( const RfScene* scene, const char* asked, const char* names, const char* lights )
 {
-    RfLightGroups groups;
+    AUTO_BY( rf_destroy_light_groups ) RfLightGroups groups;
     RfError error = { 0 };
     char text[400] = "";
     if ( rf_find_light_groups( scene, asked, &groups, &error ) != RF_OK )
@@ -137,7 +129,6 @@ static void expect_groups( const RfScene* scene, const char* asked, const char* 
         snprintf( text + strlen( text ), 8, "%d", groups.material[i] );
     snprintf( text + strlen( text ), 8, "%d", groups.sky );
     assert_string_equal( text, lights );
-    rf_destroy_light_groups( &groups );
 }
 
 static void expect_refused( const RfScene* scene, const char* asked, const char* part )
@@ -153,7 +144,7 @@ static void expect_refused( const RfScene* scene, const char* asked, const char*
 TEST( test_groups_that_a_render_asks_for )
 {
     GltfBuilder b = make_triangle();
-    RfScene scene = gltf_load_built( &b, ROOM( "" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, ROOM( "" ) );
     // lamps Desk, Desk, Spare; materials bulb, socket, bulb of key, fill, rim; the sky
     expect_groups( &scene, "all", "key,fill,rim,sky,rest",
                    "014440123"
@@ -170,7 +161,6 @@ TEST( test_groups_that_a_render_asks_for )
     expect_refused( &scene, "fill,key,fill", "light group 'fill' is given twice" );
     expect_refused( &scene, "rest", "'rest' cannot be asked for" );
     expect_refused( &scene, "fill,", "is called ''" );
-    rf_destroy_scene( &scene );
 }
 
 // What is dark is not in "all", but may be asked for; seventeen lamps are too many.

@@ -7,12 +7,6 @@
 #include "scene/placement.h"
 #include "scene/pose.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define HALF 0.70710678118654752
 
 static const float s_times[] = { 0, 1 };
@@ -51,7 +45,7 @@ static RfScene load_turning_box( void )
 
 TEST( test_a_turning_box )
 {
-    RfScene scene = load_turning_box();
+    AUTO_SCENE scene = load_turning_box();
     assert_int_equal( scene.triangles.count, 12 );
     assert_int_equal( scene.triangle_count, 24 );
     assert_int_equal( scene.mesh_count, 1 );
@@ -65,7 +59,7 @@ TEST( test_a_turning_box )
     for ( int k = -1; k <= 5; ++k )
     {
         double time = 0.25 * k, angle = fmin( fmax( time, 0.0 ), 1.0 ) * 1.57079632679489662;
-        RfPosedScene pose = gltf_pose_at( &scene, time );
+        AUTO_POSE pose = gltf_pose_at( &scene, time );
         assert_true( pose.scene.placements[0].shown );
         for ( uint32_t i = 0; i < 36; ++i )
         {
@@ -75,14 +69,12 @@ TEST( test_a_turning_box )
             gltf_assert_placed_corner( &pose.scene, 12 + i / 3, (int)( i % 3 ), 10.0 + x * cos( angle ) - y * sin( angle ),
                                        x * sin( angle ) + y * cos( angle ), 2.0 * (double)p[2] );
         }
-        rf_destroy_pose( &pose );
     }
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_when_a_scene_moves )
 {
-    RfScene scene = load_turning_box();
+    AUTO_SCENE scene = load_turning_box();
     assert_true( rf_scene_moves( &scene, 0.25, 0.5 ) );
     assert_true( rf_scene_moves( &scene, 0.0, 1.0 ) );
     assert_false( rf_scene_moves( &scene, -1.0, 0.0 ) );
@@ -90,19 +82,17 @@ TEST( test_when_a_scene_moves )
     assert_false( rf_scene_moves( &scene, 0.5, 0.5 ) );
     uint64_t hash;
     RfError error;
-    RfPosedScene pose = gltf_pose_at( &scene, 0.75 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 0.75 );
     assert_int_equal( rf_moment_hash( &scene, 0.75, &hash, &error ), RF_OK );
     assert_true( hash == pose.hash );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_memory_of_the_caller )
 {
-    RfScene scene = load_turning_box();
+    AUTO_SCENE scene = load_turning_box();
     size_t bytes = rf_pose_bytes( &scene );
     assert_in_range( bytes, sizeof( RfPlacement ), 4096 );
-    RfPosedScene pose = { .memory = aligned_alloc( 64, bytes ) };
+    AUTO_POSE pose = { .memory = aligned_alloc( 64, bytes ) };
     RfError error;
     memset( pose.memory, 0xa5, bytes );
     for ( int k = 2; k >= 0; --k )
@@ -111,23 +101,18 @@ TEST( test_memory_of_the_caller )
         assert_false( pose.owned );
     }
     gltf_assert_placed_corner( &pose.scene, 12, 1, 11, 2, 0 );
-    void* memory = pose.memory;
-    rf_destroy_pose( &pose );
-    free( memory );
-    rf_destroy_scene( &scene );
+    AUTO_FREE void* memory = pose.memory;
 }
 
 TEST( test_a_still_scene_is_its_own_pose )
 {
     GltfBuilder b = make_box();
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX );
+    AUTO_SCENE scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX );
     assert_null( scene.movement );
     assert_int_equal( rf_pose_bytes( &scene ), 0 );
     assert_false( rf_scene_moves( &scene, 0.0, 1.0 ) );
-    RfPosedScene pose = gltf_pose_at( &scene, 3.0 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 3.0 );
     assert_ptr_equal( pose.scene.triangles.positions, scene.triangles.positions );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 static RfScene load_scaled_box( const float scales[6] )
@@ -139,7 +124,7 @@ static RfScene load_scaled_box( const float scales[6] )
 
 TEST( test_a_scale_of_zero_is_not_there )
 {
-    RfScene scene = load_scaled_box( ( const float[] ){ 0, 0, 0, 1, 1, 1 } );
+    AUTO_SCENE scene = load_scaled_box( ( const float[] ){ 0, 0, 0, 1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
     assert_false( pose.scene.placements[0].shown );
     rf_destroy_pose( &pose );
@@ -147,13 +132,12 @@ TEST( test_a_scale_of_zero_is_not_there )
     assert_true( pose.scene.placements[0].shown );
     assert_int_equal( pose.scene.placements[0].mesh, 0 );
     rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // A cube that is flattened to a square keeps two of its faces, and those of no area meet no ray.
 TEST( test_what_is_flattened )
 {
-    RfScene scene = load_scaled_box( ( const float[] ){ 1, 1, 0, 1, 1, 1 } );
+    AUTO_SCENE scene = load_scaled_box( ( const float[] ){ 1, 1, 0, 1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 0.0 );
     const RfPlacement* placement = pose.scene.placements;
     assert_true( placement->shown );
@@ -178,12 +162,11 @@ TEST( test_what_is_flattened )
     pose = gltf_pose_at( &scene, 1.0 );
     assert_int_equal( pose.scene.placements[0].mesh, 0 );
     rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_what_is_turned_inside_out )
 {
-    RfScene scene = load_scaled_box( ( const float[] ){ 1, 1, 1, -1, 1, 1 } );
+    AUTO_SCENE scene = load_scaled_box( ( const float[] ){ 1, 1, 1, -1, 1, 1 } );
     RfPosedScene pose = gltf_pose_at( &scene, 1.0 );
     assert_true( rf_mat4_det3( &pose.scene.placements[0].matrix ) < 0.0 );
     gltf_assert_placed_corner( &pose.scene, 0, 2, -1, 0, 0 );
@@ -192,7 +175,6 @@ TEST( test_what_is_turned_inside_out )
     assert_true( pose.scene.placements[0].shown );
     gltf_assert_placed_corner( &pose.scene, 8, 1, 0, 0, 3 );
     rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_out_of_reach )
@@ -217,11 +199,10 @@ TEST( test_a_pause )
     static const float s_keys[] = { 0, 1, 2 }, s_places[] = { 0.1f, 0.7f, -0.3f, 0.1f, 0.7f, -0.3f, 7, 0, 0 };
     add_gltf_floats( &b, "SCALAR", 1, 3, s_keys );
     add_gltf_floats( &b, "VEC3", 3, 3, s_places );
-    RfScene scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX "," LINEAR( "0", "translation", "3", "4" ) );
+    AUTO_SCENE scene = gltf_load_built( &b, "\"nodes\":[{\"mesh\":0}]," BOX "," LINEAR( "0", "translation", "3", "4" ) );
     for ( int i = 0; i < 48; ++i )
         assert_false( rf_scene_moves( &scene, 0.0, i / 48.0 ) );
     assert_true( rf_scene_moves( &scene, 0.0, 1.1 ) );
-    rf_destroy_scene( &scene );
 }
 
 #define VISIBLE( value ) "\"extensions\":{\"KHR_node_visibility\":{\"visible\":" value "}}"
@@ -233,7 +214,7 @@ TEST( test_what_is_shown_at_times )
     static const uint8_t s_shown[] = { 1, 0, 1 };
     add_gltf_floats( &b, "SCALAR", 1, 3, s_keys );
     add_gltf_accessor( &b, 5121, "SCALAR", 3, s_shown, sizeof s_shown, "" );
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"extensionsUsed\":[\"KHR_node_visibility\",\"KHR_animation_pointer\"],"
             "\"extensionsRequired\":[\"KHR_node_visibility\",\"KHR_animation_pointer\"],"
             "\"nodes\":[{\"children\":[1,2]," VISIBLE( "false" ) "},{\"mesh\":0," VISIBLE( "true" ) "},{\"mesh\":0," VISIBLE(
@@ -244,18 +225,15 @@ TEST( test_what_is_shown_at_times )
     static const double s_at[] = { 0, 1, 1.999, 2, 3.999, 4, 5 };
     for ( int i = 0; i < 7; ++i )
     {
-        RfPosedScene pose = gltf_pose_at( &scene, s_at[i] );
+        AUTO_POSE pose = gltf_pose_at( &scene, s_at[i] );
         assert_int_equal( pose.scene.placements[0].shown, i < 3 || i > 4 );
-        rf_destroy_pose( &pose );
     }
-    RfPosedScene full = { .in_shutter = true, .middle = 1.9 }; // of a shutter of an odd number of steps
+    AUTO_POSE full = { .in_shutter = true, .middle = 1.9 }; // of a shutter of an odd number of steps
     assert_int_equal( rf_pose_scene( &scene, 2.0, &full, NULL ), RF_OK );
     assert_true( full.scene.placements[0].shown );
-    rf_destroy_pose( &full );
     assert_true( rf_scene_moves( &scene, 1.5, 2.5 ) );
     assert_false( rf_scene_moves( &scene, 2.0, 3.5 ) );
     assert_false( rf_scene_moves( &scene, 1.5, 4.5 ) );
-    rf_destroy_scene( &scene );
 }
 
 // ---- Many -----------------------------------------------------------------------
@@ -286,26 +264,21 @@ TEST( test_ten_thousand_nodes )
     add_gltf_floats( &b, "VEC3", 3, 3, s_triangle );
     add_gltf_floats( &b, "SCALAR", 1, 2, s_times );
     add_gltf_floats( &b, "VEC3", 3, 2, s_moves );
-    char* rest = write_many();
-    char* data = gltf_base64( b.bin, b.bin_size );
+    AUTO_FREE char* rest = write_many();
+    AUTO_FREE char* data = gltf_base64( b.bin, b.bin_size );
     size_t size = strlen( rest ) + strlen( data ) + 4096;
-    char* text = malloc( size );
+    AUTO_FREE char* text = malloc( size );
     snprintf(
         text, size,
         "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":%zu,\"uri\":\"data:;base64,%s\"}],\"bufferViews\":[%s],"
         "\"accessors\":[%s],%s}",
         b.bin_size, data, b.views, b.accessors, rest );
-    RfScene scene = gltf_load( write_bytes( &gltf_folder, "a.gltf", text, strlen( text ) ) );
-    free( text );
-    free( data );
-    free( rest );
+    AUTO_SCENE scene = gltf_load( write_bytes( &gltf_folder, "a.gltf", text, strlen( text ) ) );
     assert_int_equal( scene.mesh_count, 1 );
     assert_int_equal( scene.placement_count, MANY );
-    RfPosedScene pose = gltf_pose_at( &scene, 0.5 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 0.5 );
     for ( int i = 0; i < MANY; i += 7 )
         gltf_assert_placed_corner( &pose.scene, (uint32_t)i, 1, 5.0 + i, 2, 7 );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 // Instances of a node that moves go with it.
@@ -315,17 +288,15 @@ TEST( test_instances_that_move )
     GltfBuilder b = make_box();
     add_gltf_floats( &b, "VEC3", 3, 2, s_places );
     add_gltf_floats( &b, "VEC3", 3, 2, s_moves );
-    RfScene scene = gltf_load_built(
+    AUTO_SCENE scene = gltf_load_built(
         &b, "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":3}}}}]," BOX
             "," LINEAR( "0", "translation", "2", "4" ) );
     assert_int_equal( scene.mesh_count, 1 );
     assert_int_equal( scene.placement_count, 2 );
     assert_int_equal( scene.placements[1].first, 12 );
-    RfPosedScene pose = gltf_pose_at( &scene, 0.5 );
+    AUTO_POSE pose = gltf_pose_at( &scene, 0.5 );
     gltf_assert_placed_corner( &pose.scene, 0, 2, 3, 0, 0 );
     gltf_assert_placed_corner( &pose.scene, 12, 2, 3, 0, 100 );
-    rf_destroy_pose( &pose );
-    rf_destroy_scene( &scene );
 }
 
 SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -5,11 +5,6 @@
 
 #include "scene/surfaces.h"
 
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
 static const float s_times[] = { 0, 1 };
 static const float s_places[] = { 0, 0, 0, 1, 0, 0 };
@@ -60,7 +55,7 @@ TEST( test_names_of_nodes )
     GltfBuilder b;
     char rest[4096];
     build( &b, "", "{\"name\":\"wood\"},{}", rest, sizeof rest );
-    RfScene scene = gltf_load_built( &b, rest );
+    AUTO_SCENE scene = gltf_load_built( &b, rest );
     expect_names( &scene, 0, ( const char*[] ){ "nodes[3]", "Chair", "Leg", "Leg", "Door" },
                   ( const char*[] ){ "nodes[3]", "Set", "Set", "Set", "Set" } );
     float of_node[6], of_material[2];
@@ -72,7 +67,6 @@ TEST( test_names_of_nodes )
     assert_true( of_material[0] == 1.0f && of_material[1] == 2.0f );
     rf_mark_objects( &scene, marked );
     assert_memory_equal( marked, ( ( bool[] ){ false, false, true, true, true, true } ), sizeof marked );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_extras_go_first )
@@ -83,7 +77,7 @@ TEST( test_extras_go_first )
            "{\"extras\":{\"reframe\":{\"pass_index\":3}}},"
            "{\"extras\":{\"reframe\":{\"bsdf\":\"mirror\",\"specular\":[1,1,1],\"pass_index\":4}}}",
            rest, sizeof rest );
-    RfScene scene = gltf_load_built( &b, rest );
+    AUTO_SCENE scene = gltf_load_built( &b, rest );
     expect_names( &scene, 0, ( const char*[] ){ "nodes[3]", "Chair", "Leg.001", "Leg.001", "Door" },
                   ( const char*[] ){ "nodes[3]", "Set", "Legs", "Legs", "Set" } );
     float of_node[6], of_material[2];
@@ -93,7 +87,6 @@ TEST( test_extras_go_first )
         assert_true( of_node[n] == ( n == 3 ? 7.0f : 0.0f ) );
     assert_true( of_material[0] == 3.0f && of_material[1] == 4.0f );
     assert_int_equal( scene.materials[0].kind, RF_BSDF_GGX ); // as without extras
-    rf_destroy_scene( &scene );
     build( &b, ",\"extras\":{\"reframe\":{\"asset\":\"\"}}", "{},{}", rest, sizeof rest );
     gltf_refuse_built( &b, rest, "nodes[2].extras.reframe: asset must not be empty" );
     build( &b, ",\"extras\":{\"reframe\":{\"pass_index\":-1}}", "{},{}", rest, sizeof rest );
@@ -107,13 +100,12 @@ TEST_WITHIN( test_placed_files, cli_enter_group, cli_leave_group )
 {
     GltfBuilder b;
     char rest[4096];
-    RfScene scene;
+    AUTO_SCENE scene;
     RfError error = { 0 };
     size_t size;
     build( &b, "", "{},{}", rest, sizeof rest );
-    uint8_t* bytes = build_glb( &b, rest, &size );
+    AUTO_FREE uint8_t* bytes = build_glb( &b, rest, &size );
     cli_write( "set.glb", bytes, size );
-    free( bytes );
     write_room( "" );
     if ( try_members( "\"objects\":[{\"file\":\"set.glb\",\"name\":\"Left\"},{\"file\":\"set.glb\"}]", &scene, &error ) != RF_OK )
         fail_msg( "%s", error.text );
@@ -123,7 +115,6 @@ TEST_WITHIN( test_placed_files, cli_enter_group, cli_leave_group )
                   ( const char*[] ){ "Left", "Left", "Left", "Left", "set.glb" } );
     assert_string_equal( asset_at( &scene, room + 4 ), "set.glb" );
     assert_string_equal( asset_at( &scene, rf_triangle_count( &scene ) - 2 ), "Left" );
-    rf_destroy_scene( &scene );
 }
 
 static void keep_line( void* user, const char* line )
@@ -142,7 +133,7 @@ TEST( test_emitters_in_one_place )
     char lines[1024] = "";
     RfLog log = { keep_line, lines, 0 };
     RfError error = { 0 };
-    RfScene scene;
+    AUTO_SCENE scene;
     RfSceneInfo info;
     GltfBuilder b = { 0 };
     add_gltf_floats( &b, "VEC3", 3, 6, s_plate );
@@ -174,7 +165,6 @@ TEST( test_emitters_in_one_place )
     assert_int_equal( rf_scene_info( &scene, &info, &error ), RF_OK );
     assert_int_equal( info.triangles, 20 );
     assert_int_equal( info.emitting_triangles, 16 );
-    rf_destroy_scene( &scene );
 }
 
 SHARED_BY_TESTS( gltf_enter, gltf_leave )

@@ -7,10 +7,6 @@
 #include "support/rooms.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const RfFactors s_paint = { .base = { 1, 1, 1, 1 }, .roughness = 1, .specular_color = { 1, 1, 1 }, .ior = 1.5 };
 
 static void assert_close( float got, double want, double tolerance )
@@ -148,8 +144,8 @@ TEST( test_emission_by_texel )
     t->refs[RF_TEXTURE_EMISSIVE].texture = 0;
     t->refs[RF_TEXTURE_EMISSIVE].nearest = true;
     Square s = make_square( make_light( 10.0f, false ), t, s_picture, 3, 2, true );
-    RfTracer* tracer;
-    Rendered r = render_square( &s, 4, 1, &tracer );
+    AUTO_TRACER tracer;
+    AUTO_BY( free_rendered ) Rendered r = render_square( &s, 4, 1, &tracer );
     const RfTexture* texture = s.scene.textures;
     for ( int i = 0; i < 6; ++i )
     {
@@ -157,8 +153,6 @@ TEST( test_emission_by_texel )
             assert_close( frame_rgb( &r, 0 )[3 * i + c], ( c == 2 ? 9.0 : 10.0 ) * (double)texture->table[s_picture[4 * i + c]],
                           1e-4 );
     }
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &s.scene );
 }
 
@@ -171,16 +165,14 @@ TEST( test_albedo_by_texel )
     t->factors.base[1] = 0.5;
     Square s = make_square( make_lambert( 0, 0, 0 ), t, s_picture, 3, 2, true );
     s.scene.environment.radiance = rf_vec3( 1, 1, 1 );
-    RfTracer* tracer;
-    Rendered r = render_square( &s, 4096, 4, &tracer );
+    AUTO_TRACER tracer;
+    AUTO_BY( free_rendered ) Rendered r = render_square( &s, 4096, 4, &tracer );
     for ( int i = 0; i < 6; ++i )
     {
         for ( int c = 0; c < 3; ++c )
             assert_close( frame_rgb( &r, 0 )[3 * i + c],
                           ( c == 1 ? 0.5 : 1.0 ) * (double)s.scene.textures->table[s_picture[4 * i + c]], 0.02 );
     }
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &s.scene );
 }
 
@@ -252,7 +244,7 @@ TEST( test_cut_outs_let_every_ray_through )
             add_quad( &b, k == order ? wall : cut, rf_vec3( -1, -1, z ), rf_vec3( 1, -1, z ), rf_vec3( 1, 1, z ),
                       rf_vec3( -1, 1, z ) );
         }
-        RfScene scene = finish_scene( &b );
+        AUTO_SCENE scene = finish_scene( &b );
         static const float uvs[] = { 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0 };
         scene.triangles.uvs = malloc( sizeof uvs );
         memcpy( scene.triangles.uvs, uvs, sizeof uvs );
@@ -264,7 +256,7 @@ TEST( test_cut_outs_let_every_ray_through )
         t->alpha_cutoff = 0.5f;
         t->refs[RF_TEXTURE_BASE].texture = 0;
         t->refs[RF_TEXTURE_BASE].nearest = true;
-        RfTracer* tracer = make_tracer( &scene );
+        AUTO_TRACER tracer = make_tracer( &scene );
         RfVec3 forward = rf_vec3( 0, 0, -1 );
         uint32_t first_wall = order == 0 ? 0 : 2, first_cut = 2 - first_wall;
         assert_int_equal( nearest( tracer, rf_vec3( -0.5f, 0.7f, 1 ), forward ), first_wall + 1 );
@@ -278,8 +270,6 @@ TEST( test_cut_outs_let_every_ray_through )
         const float* points[3] = { x, y, z };
         assert_int_equal( rf_trace_from_origin( tracer, rf_vec3( 0, 0, 1 ), 2, points, weight ), 2 );
         assert_true( weight[0] == 1.0f && weight[1] == 0.0f );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -293,7 +283,7 @@ TEST( test_one_bright_texel_is_sampled )
     t->refs[RF_TEXTURE_EMISSIVE].texture = 0;
     t->refs[RF_TEXTURE_EMISSIVE].nearest = true;
     Square s = make_square( make_light( 10.0f, true ), t, bytes, 32, 32, true );
-    RfTracer* tracer = make_tracer( &s.scene );
+    AUTO_TRACER tracer = make_tracer( &s.scene );
     const RfLights* lights = rf_tracer_lights( tracer );
     assert_true( lights->count >= 1 );
     uint32_t k = lights->of_triangle[1];
@@ -310,13 +300,12 @@ TEST( test_one_bright_texel_is_sampled )
     }
     // one texel of 1024 on half the square: 2/1024 of radiance 10
     assert_close( (float)( sum / ( 0.5 * n * n ) ), 10.0 * 2.0 / 1024.0, 2e-3 );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &s.scene );
 }
 
 static void check_plain( RfScene scene )
 {
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfEye eyes[3];
     orbit_eyes( eyes, 3, 4.0f, 39, 34 );
     RfRenderSettings settings = plain_settings();
@@ -324,17 +313,14 @@ static void check_plain( RfScene scene )
     settings.spp = 5;
     settings.light_samples = 2;
     settings.memory = (size_t)256 << 20;
-    Rendered r = render_all( tracer, eyes, 3, &settings );
-    float* reference = malloc( 3 * r.pixels * sizeof( float ) );
+    AUTO_BY( free_rendered ) Rendered r = render_all( tracer, eyes, 3, &settings );
+    AUTO_FREE float* reference = malloc( 3 * r.pixels * sizeof( float ) );
     for ( int k = 0; k < 3; ++k )
     {
         ReferenceSettings plain = reference_settings_of( &settings, k );
         reference_image( tracer, eyes + k, &plain, reference );
         assert_memory_equal( frame_rgb( &r, k ), reference, 3 * r.pixels * sizeof( float ) );
     }
-    free( reference );
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
 }
 
@@ -366,9 +352,9 @@ static RfScene make_panes( void )
 
 TEST( test_blended_panes_by_closed_form )
 {
-    RfScene scene = make_panes();
+    AUTO_SCENE scene = make_panes();
     scene.environment.radiance = rf_vec3( 2, 2, 2 );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     assert_true( rf_tracer_is_blended( tracer ) );
     assert_close( is_free( tracer, rf_vec3( 0.1f, 0.2f, 1 ), rf_vec3( 0, 0, -1.5f ) ), 0.5, 1e-6 );
     assert_close( is_free( tracer, rf_vec3( 0.1f, 0.2f, 1 ), rf_vec3( 0, 0, -3 ) ), 0.375, 1e-6 );
@@ -389,7 +375,7 @@ TEST( test_blended_panes_by_closed_form )
         settings.group = group;
         settings.spp = 48;
         settings.memory = (size_t)256 << 20;
-        Rendered r = render_all( tracer, eyes, 3, &settings );
+        AUTO_BY( free_rendered ) Rendered r = render_all( tracer, eyes, 3, &settings );
         double sum = 0.0, weights = 0.0, count = 3.0 * (double)r.pixels;
         for ( size_t i = 0; i < 3 * r.pixels; ++i )
         {
@@ -398,10 +384,7 @@ TEST( test_blended_panes_by_closed_form )
         }
         assert_close( (float)sum, 0.75, 0.02 ); // five standard errors and more: 2 √(15/64 / 83000)
         assert_close( (float)weights, 1.0, 0.01 );
-        free_rendered( &r );
     }
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 // Of colours, not of normals and the like; what Rec. 709 cannot hold is clipped.

@@ -1,24 +1,15 @@
-"""For test_blender_losses.c: NAME.blend for each function below, in which a little is set that Reframe does not have.
-
-    blender -b -P blender_losses.py -- NAME...
-"""
+"""Scenes in which a little is set that Reframe does not have, for test_blender_losses.c."""
 import math
-import os
-import sys
 
 import bpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_both import geometry_tree, lights_without_shadow, socket  # noqa: E402
+import blender_words
+from blender_words import begin, eye, geometry_group, instances_of, lamp_nodes, lights_without_shadow, moved_to, socket
 
 
-def lamp(scene, kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
-    o = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-    o.location, o.rotation_euler = place, [math.radians(a) for a in turn]
-    o.data.energy, o.data.shadow_soft_size = 20.0, 0.25
-    scene.collection.objects.link(o)
-    return o
+def lamp(kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
+    """Of 20 W and 25 cm, turned by degrees."""
+    return blender_words.lamp(kind, name, place, [math.radians(a) for a in turn], energy=20.0, shadow_soft_size=0.25)
 
 
 def cube(name, place=(0, 0, 0)):
@@ -29,35 +20,28 @@ def cube(name, place=(0, 0, 0)):
 
 def plain():
     """A scene of which nothing is lost."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = 1, 3
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = 32, 24, 100
+    scene = begin(3, size=(32, 24))
     cube("cube")
-    lamp(scene, "AREA", "key")
-    eye = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
-    eye.location, eye.rotation_euler = (0, -6, 0), (math.pi / 2, 0, 0)
-    scene.collection.objects.link(eye)
-    scene.camera = eye
+    lamp("AREA", "key")
+    eye()
     return scene
 
 
 def lamps():
     """Lamps that some rays do not see, or that throw no shadow."""
     scene = plain()
-    lights_without_shadow(lamp(scene, "POINT", "through walls").data)
-    lamp(scene, "SUN", "for gloss").visible_diffuse = False
-    lamp(scene, "SPOT", "lens").visible_camera = True
-    lamp(scene, "AREA", "window", (0, 2, 0), (90, 0, 0))
-    shown = lamp(scene, "AREA", "shown", (0, 2, 0), (90, 0, 0))
+    lights_without_shadow(lamp("POINT", "through walls").data)
+    lamp("SUN", "for gloss").visible_diffuse = False
+    lamp("SPOT", "lens").visible_camera = True
+    lamp("AREA", "window", (0, 2, 0), (90, 0, 0))
+    shown = lamp("AREA", "shown", (0, 2, 0), (90, 0, 0))
     shown.visible_camera = True
-    portal = lamp(scene, "AREA", "portal", (0, 2, 0), (90, 0, 0))
+    portal = lamp("AREA", "portal", (0, 2, 0), (90, 0, 0))
     portal.data.cycles.is_portal = True
     lights_without_shadow(portal.data)
     scene.world = bpy.data.worlds.new("sky")
     scene.world.cycles_visibility.glossy = False
-    unlit = lamp(scene, "POINT", "unlit")
+    unlit = lamp("POINT", "unlit")
     unlit.visible_diffuse = unlit.visible_glossy = unlit.visible_transmission = False
 
 
@@ -65,56 +49,39 @@ def linked():
     """Lamps that light some objects only, or throw shadows of some only; a scaled spot, and soft lamps near a surface and far from all."""
     scene = plain()
     scene.objects["cube"].light_linking.receiver_collection = bpy.data.collections.new("receivers")
-    lamp(scene, "POINT", "for some").light_linking.receiver_collection = bpy.data.collections.new("some")
-    lamp(scene, "SUN", "past some", turn=(0, 0, 1)).light_linking.blocker_collection = bpy.data.collections.new("blockers")
+    lamp("POINT", "for some").light_linking.receiver_collection = bpy.data.collections.new("some")
+    lamp("SUN", "past some", turn=(0, 0, 1)).light_linking.blocker_collection = bpy.data.collections.new("blockers")
     bpy.data.lights["past some"].angle = 0.0
     bpy.data.lights["for some"].use_soft_falloff = False
-    lamp(scene, "SPOT", "wide", (0, 0, -9)).scale = (2, 1, 1)
-    lamp(scene, "POINT", "close", (0, 0, 1.5))
-    lamp(scene, "POINT", "far", (0, 0, 9))
+    lamp("SPOT", "wide", (0, 0, -9)).scale = (2, 1, 1)
+    lamp("POINT", "close", (0, 0, 1.5))
+    lamp("POINT", "far", (0, 0, 9))
     for name in ("wide", "close", "far", "for some"):
         scene.objects[name].location.y = -7.0  # behind the camera
     scene.objects["close"].location.y = 0.0
 
 
-def points_on(o):
-    tree = geometry_tree("points")
-    start, points, end = (tree.nodes.new(n) for n in ("NodeGroupInput", "GeometryNodeMeshToPoints", "NodeGroupOutput"))
-    tree.links.new(start.outputs[0], points.inputs[0])
-    tree.links.new(points.outputs[0], end.inputs[0])
-    o.modifiers.new("points", "NODES").node_group = tree
-
-
 def instances():
     """What is in a collection that only instances show is reported as well; what is hidden is not."""
     scene = plain()
-    group = bpy.data.collections.new("group")
-    for name in ("ghost", "hole", "fur", "dust"):
-        scene.collection.objects.unlink(cube(name))
-        group.objects.link(bpy.data.objects[name])
+    group = moved_to(bpy.data.collections.new("group"), *(cube(name) for name in ("ghost", "hole", "fur", "dust")))
     bpy.data.objects["ghost"].visible_glossy = False
     bpy.data.objects["ghost"].data.polygons.foreach_set("use_smooth", [True] * 6)
     bpy.data.objects["hole"].is_holdout = True  # which does not count: instances are held out by what makes them
     with bpy.context.temp_override(object=bpy.data.objects["fur"]):
         bpy.data.objects["fur"].modifiers.new("hair", "PARTICLE_SYSTEM")
     bpy.data.objects["fur"].particle_systems[0].settings.type = "HAIR"
-    points_on(bpy.data.objects["dust"])
-    torch = lamp(scene, "POINT", "torch")
+    geometry_group(bpy.data.objects["dust"], "GeometryNodeMeshToPoints")
+    torch = lamp("POINT", "torch")
     lights_without_shadow(torch.data)
-    scene.collection.objects.unlink(torch)
-    group.objects.link(torch)
-    place = bpy.data.objects.new("place", None)
-    place.instance_type, place.instance_collection = "COLLECTION", group
-    scene.collection.objects.link(place)
-    pit = bpy.data.objects.new("pit", None)
-    pit.instance_type, pit.instance_collection, pit.is_holdout = "COLLECTION", group, True
-    scene.collection.objects.link(pit)
+    moved_to(group, torch)
+    instances_of(group)
+    instances_of(group, "pit").is_holdout = True
     off = bpy.data.collections.new("off")
     scene.collection.children.link(off)
     off.hide_render = True
     unseen = cube("unseen")
-    scene.collection.objects.unlink(unseen)
-    off.objects.link(unseen)
+    moved_to(off, unseen)
     unseen.is_shadow_catcher = True
     far = bpy.data.collections.new("far")
     scene.collection.children.link(far)
@@ -123,9 +90,7 @@ def instances():
 
 def key(o, path, *values):
     """A value of a property in each of the frames from the first on."""
-    for frame, value in enumerate(values, 1):
-        setattr(o, path, value)
-        o.keyframe_insert(path, frame=frame)
+    blender_words.key(o, path, enumerate(values, 1))
 
 
 def switched():
@@ -138,41 +103,28 @@ def switched():
     unseen = cube("is away", (0, -2, 0))
     key(unseen, "hide_render", True, True)
     key(unseen, "hide_viewport", False, True)
-    key(lamp(scene, "POINT", "blinks"), "hide_render", False, True, False)
+    key(lamp("POINT", "blinks"), "hide_render", False, True, False)
     builds = cube("builds").modifiers.new("array", "ARRAY")
     key(builds, "show_render", True, False)
-    group = bpy.data.collections.new("group")
-    scene.collection.objects.unlink(cube("piece"))
-    group.objects.link(bpy.data.objects["piece"])
-    place = bpy.data.objects.new("place", None)
-    place.instance_type, place.instance_collection = "COLLECTION", group
-    scene.collection.objects.link(place)
+    place = instances_of(moved_to(bpy.data.collections.new("group"), cube("piece")))
     key(place, "hide_render", False, True, True)
     scene.frame_set(3)
-
-
-def key_input(node, name, *values):
-    for frame, value in enumerate(values, 1):
-        node.inputs[name].default_value = value
-        node.inputs[name].keyframe_insert("default_value", frame=frame)
 
 
 def changes():
     """Each of a lamp's settings that changes, nodes of a lamp, a world of one colour."""
     scene = plain()
-    beam = lamp(scene, "AREA", "wide")
+    beam = lamp("AREA", "wide")
     beam.data.shape = "RECTANGLE"
     key(beam.data, "size_y", 1.0, 1.0, 2.0)
-    key(lamp(scene, "AREA", "spread").data, "spread", math.pi, 2.0, math.pi)
-    key(lamp(scene, "SPOT", "edge").data, "spot_blend", 0.1, 0.1, 0.2)
-    key(lamp(scene, "POINT", "ball").data, "shadow_soft_size", 0.1, 0.2)
+    key(lamp("AREA", "spread").data, "spread", math.pi, 2.0, math.pi)
+    key(lamp("SPOT", "edge").data, "spot_blend", 0.1, 0.1, 0.2)
+    key(lamp("POINT", "ball").data, "shadow_soft_size", 0.1, 0.2)
     scene.world = bpy.data.worlds.new("sky")
     scene.world.use_nodes = True
-    key_input(scene.world.node_tree.nodes["Background"], "Strength", 0.0, 1.0)
-    nodes = lamp(scene, "POINT", "bulb")
-    nodes.data.use_nodes = True
-    key_input(nodes.data.node_tree.nodes["Emission"], "Strength", 1.0, 2.0)
-    cone = lamp(scene, "SPOT", "cone")
+    key(scene.world.node_tree.nodes["Background"].inputs["Strength"], "default_value", 0.0, 1.0)
+    key(lamp_nodes(lamp("POINT", "bulb"))[1].inputs["Strength"], "default_value", 1.0, 2.0)
+    cone = lamp("SPOT", "cone")
     key(cone.data, "spot_size", 0.5, 0.6)
     key(cone.data, "shadow_soft_size", 0.0)
 
@@ -180,10 +132,10 @@ def changes():
 def more_changes():
     """The rest of them, and a sun, a material without nodes, and one that a driver changes."""
     scene = plain()
-    key(lamp(scene, "POINT", "bright").data, "energy", 1.0, 2.0)
-    key(lamp(scene, "POINT", "red").data, "color", (1, 1, 1), (1, 0, 0))
-    key(lamp(scene, "AREA", "size").data, "size", 1.0, 2.0)
-    key(lamp(scene, "SUN", "sun").data, "angle", 0.1, 0.2)
+    key(lamp("POINT", "bright").data, "energy", 1.0, 2.0)
+    key(lamp("POINT", "red").data, "color", (1, 1, 1), (1, 0, 0))
+    key(lamp("AREA", "size").data, "size", 1.0, 2.0)
+    key(lamp("SUN", "sun").data, "angle", 0.1, 0.2)
     paint = bpy.data.materials.new("paint")
     paint.use_nodes = False
     key(paint, "diffuse_color", (1, 0, 0, 1), (0, 1, 0, 1))
@@ -203,13 +155,11 @@ def darkness():
     """What takes light away: lamps of each kind, a lamp's nodes, a surface, a world; and a surface that is too bright."""
     scene = plain()
     for kind in ("AREA", "POINT", "SUN", "SPOT"):
-        lamp(scene, kind, "dark " + kind.lower()).data.energy = -20.0
-    bulb = lamp(scene, "POINT", "nodes")
-    bulb.data.use_nodes = True
-    bulb.data.node_tree.nodes["Emission"].inputs["Strength"].default_value = -1.0
-    twice = lamp(scene, "AREA", "twice")  # which gives light again
-    twice.data.energy, twice.data.use_nodes = -20.0, True
-    twice.data.node_tree.nodes["Emission"].inputs["Strength"].default_value = -1.0
+        lamp(kind, "dark " + kind.lower()).data.energy = -20.0
+    lamp_nodes(lamp("POINT", "nodes"))[1].inputs["Strength"].default_value = -1.0
+    twice = lamp("AREA", "twice")  # which gives light again
+    twice.data.energy = -20.0
+    lamp_nodes(twice)[1].inputs["Strength"].default_value = -1.0
     for name, which, value in (("hole", "Emission Strength", -1.0), ("bright", "Base Color", (1.5, 1.0, 1.0, 1.0))):
         material = bpy.data.materials.new(name)
         material.use_nodes = True
@@ -223,23 +173,16 @@ def darkness():
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1.0
 
 
-def place_group(scene, group, where):
-    place = bpy.data.objects.new("place", None)
-    place.instance_type, place.instance_collection, place.location = "COLLECTION", group, where
-    scene.collection.objects.link(place)
-
-
 def placed_lamps():
     """Lamps that instances bring: a point lamp and an area lamp in view, the same ones behind the camera."""
-    scene = plain()
+    plain()
     group = bpy.data.collections.new("group")
     for kind, name in (("POINT", "torch"), ("AREA", "panel")):
-        o = lamp(scene, kind, name, (0, 0, 0.5))
+        o = lamp(kind, name, (0, 0, 0.5))
         o.data.shadow_soft_size = 0.2
-        scene.collection.objects.unlink(o)
-        group.objects.link(o)
-    place_group(scene, group, (0, 2, 0))
-    place_group(scene, group, (0, -20, 0))
+        moved_to(group, o)
+    for y in (2, -20):
+        instances_of(group, place=(0, y, 0))
 
 
 def cycles_settings():
@@ -252,7 +195,7 @@ def cycles_settings():
     scene.render.film_transparent, cycles.film_transparent_glass = True, True
     view.exposure, view.gamma, view.use_curve_mapping = 1.0, 2.0, True
     view.look = "AgX - High Contrast" if view.view_transform == "AgX" else "High Contrast"
-    lamp(scene, "AREA", "once").data.cycles.max_bounces = 0
+    lamp("AREA", "once").data.cycles.max_bounces = 0
     veil = bpy.data.materials.new("veil")
     veil.use_nodes = True
     veil.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
@@ -266,21 +209,18 @@ def cycles_settings():
 
 def over_time(o, kind, value, **settings):
     """Sets what a mesh carries by the number of the frame."""
-    tree = geometry_tree(o.name)
-    start, change, end, time = (tree.nodes.new(n) for n in ("NodeGroupInput", kind, "NodeGroupOutput", "GeometryNodeInputSceneTime"))
+    change, = geometry_group(o, kind)
     for name, setting in settings.items():
         setattr(change, name, setting)
     if "Name" in change.inputs:
         change.inputs["Name"].default_value = "paint"
-    tree.links.new(start.outputs[0], change.inputs[0])
-    tree.links.new(time.outputs["Frame"], next(i for i in change.inputs if i.name == value and i.enabled))
-    tree.links.new(change.outputs[0], end.inputs[0])
-    o.modifiers.new("over time", "NODES").node_group = tree
+    time = change.id_data.nodes.new("GeometryNodeInputSceneTime")
+    change.id_data.links.new(time.outputs["Frame"], next(i for i in change.inputs if i.name == value and i.enabled))
 
 
 def carried():
     """Shapes that stay, with texture coordinates, colours and materials that change."""
-    scene = plain()
+    plain()
     key(cube("coordinates").modifiers.new("warp", "UV_WARP"), "offset", (0, 0), (0.5, 0))
     over_time(cube("colours"), "GeometryNodeStoreNamedAttribute", "Value", data_type="FLOAT_COLOR")
     over_time(cube("materials"), "GeometryNodeSetMaterialIndex", "Material Index")
@@ -300,9 +240,3 @@ def gone():
     node.image, node.image_user.frame_duration = image, 3
     tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
     bpy.data.objects["cube"].data.materials.append(screen)
-
-
-if __name__ == "__main__":
-    for name in sys.argv[sys.argv.index("--") + 1:]:
-        globals()[name]()
-        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))

@@ -1,73 +1,11 @@
-"""Makes small scenes of materials inside Blender, and renders them with Cycles:
-
-    blender -b --factory-startup -P blender_materials.py -- FOLDER [SCENE ...] [--samples N] [--size WxH]
-
-writes FOLDER/SCENE.blend for every scene and, with --samples, rendered by Cycles, FOLDER/SCENE.exr and FOLDER/SCENE.mean, the mean of
-its picture in R, G and B.
-"""
-import argparse
-import os
-import sys
+"""Small scenes of materials, for test_blender_materials.c."""
 
 import bpy
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_both import add_socket, socket  # noqa: E402
+from blender_words import Shader, add_socket, begin, eye, glow, grey, lamp, lamp_nodes, matte, socket
 
 ROOM = 2.0  # half a side
-
-
-class Shader:
-    """A few words for making nodes."""
-
-    def __init__(self, name):
-        self.material = bpy.data.materials.new(name)
-        self.material.use_nodes = True
-        self.tree = self.material.node_tree
-        self.tree.nodes.clear()
-        self.out = self.add("OutputMaterial")
-
-    def add(self, kind, **inputs):
-        node = self.tree.nodes.new("ShaderNode" + kind)
-        for name, value in inputs.items():
-            self.feed(socket(node, name.replace("_", " ")), value)
-        return node
-
-    def feed(self, socket, value):
-        if isinstance(value, bpy.types.NodeSocket):
-            self.tree.links.new(value, socket)
-        elif isinstance(value, bpy.types.Node):
-            self.tree.links.new(value.outputs[0], socket)
-        else:
-            socket.default_value = value
-
-    def mix(self, factor, a, b):
-        node = self.add("MixShader")
-        for socket, value in zip(node.inputs, (factor, a, b)):
-            self.feed(socket, value)
-        return node
-
-    def done(self, shader, **inputs):
-        self.feed(self.out.inputs["Surface"], shader)
-        for name, value in inputs.items():
-            self.feed(self.out.inputs[name], value)
-        return self.material
-
-
-def grey(value):
-    return (value, value, value, 1.0)
-
-
-def diffuse(name, colour):
-    s = Shader(name)
-    return s.done(s.add("BsdfDiffuse", Color=colour))
-
-
-def light(name, strength, colour=(1.0, 1.0, 1.0, 1.0)):
-    s = Shader(name)
-    return s.done(s.add("Emission", Color=colour, Strength=strength))
 
 
 def noise_mix(name, a, b, scale=3.0):
@@ -92,20 +30,21 @@ def inwards(o):
     return o
 
 
-def lamp(material, size, **where):
-    """Cut into many faces: near one of two triangles Cycles is a per cent too dark."""
+def panel(strength, size, **where):
+    """A lamp of an emission, or of a material. Cut into many faces: near one of two triangles Cycles is a per cent too dark."""
+    material = glow(grey(1.0), strength, "lamp") if isinstance(strength, float) else strength
     return put("grid", material, x_subdivisions=12, y_subdivisions=12, size=size, **where)
 
 
 def room(material, strength=8.0, size=1.0):
     """A closed room and a lamp of an emission."""
     walls = inwards(put("cube", material, size=2.0 * ROOM))
-    lamp(light("lamp", strength), size, location=(0.3 / size, 0.4 / size, ROOM - 0.02))
+    panel(strength, size, location=(0.3 / size, 0.4 / size, ROOM - 0.02))
     return walls
 
 
-def plain_room(**lamp):
-    return room(diffuse("wall", grey(0.6)), **lamp)
+def plain_room(**lit):
+    return room(matte(grey(0.6), "wall"), **lit)
 
 
 def procedural():
@@ -184,16 +123,16 @@ def transparent():
 
 def emission():
     """Lamps of emission shaders: constant, varying, one-sided, and a share of a mixture."""
-    walls = diffuse("wall", grey(0.5))
+    walls = matte(grey(0.5), "wall")
     inwards(put("cube", walls, size=2.0 * ROOM))
     s = Shader("glowing noise")
     noise = s.add("TexNoise", Scale=2.0)
-    lamp(s.done(s.add("Emission", Color=noise.outputs["Color"], Strength=6.0)), 1.4, location=(0.0, 1.0, ROOM - 0.05))
+    panel(s.done(s.add("Emission", Color=noise.outputs["Color"], Strength=6.0)), 1.4, location=(0.0, 1.0, ROOM - 0.05))
     s = Shader("half glowing")
     put("uv_sphere", s.done(s.mix(0.5, s.add("Emission", Color=(0.2, 0.5, 1.0, 1.0), Strength=3.0), s.add("BsdfDiffuse", Color=grey(0.8)))), radius=0.4, location=(-0.8, 0.5, -1.2))
     s = Shader("one side")
     back = s.add("NewGeometry").outputs["Backfacing"]
-    lamp(s.done(s.mix(back, s.add("Emission", Strength=5.0), s.add("BsdfDiffuse", Color=grey(0.0)))), 0.8, location=(1.0, 0.8, 0.0))
+    panel(s.done(s.mix(back, s.add("Emission", Strength=5.0), s.add("BsdfDiffuse", Color=grey(0.0)))), 0.8, location=(1.0, 0.8, 0.0))
 
 
 def no_material():
@@ -211,7 +150,7 @@ def no_material():
 
 def groups():
     """Groups within groups, reroutes, muted nodes, several outputs."""
-    room(diffuse("wall", grey(0.6)))
+    plain_room()
     inner = bpy.data.node_groups.new("colour", "ShaderNodeTree")
     add_socket(inner, "INPUT", "NodeSocketFloat", "Scale")
     add_socket(inner, "OUTPUT", "NodeSocketColor", "Colour")
@@ -248,23 +187,17 @@ def groups():
 
 def other_rays():
     """Lamps that the camera sees otherwise, or not at all; windows that let shadow rays pass, by nodes and by the object."""
-    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    inwards(put("cube", matte(grey(0.6), "wall"), size=2.0 * ROOM))
     s = Shader("dimmed")
     path = s.add("LightPath").outputs
-    strength = s.add("Math")
-    strength.operation = "SUBTRACT"
-    s.feed(strength.inputs[0], 9.0)
-    s.feed(strength.inputs[1], s.add("MapRange", Value=path["Is Camera Ray"], To_Max=8.0))
-    lamp(s.done(s.add("Emission", Strength=strength)), 0.8, location=(0.9, 0.4, ROOM - 0.02))
+    strength = s.math("Math", "SUBTRACT", 9.0, s.add("MapRange", Value=path["Is Camera Ray"], To_Max=8.0))
+    panel(s.done(s.add("Emission", Strength=strength)), 0.8, location=(0.9, 0.4, ROOM - 0.02))
     s = Shader("unseen")
     seen = s.add("LightPath").outputs["Is Camera Ray"]
-    lamp(s.done(s.mix(seen, s.add("Emission", Strength=6.0), s.add("BsdfTransparent"))), 0.8, location=(-0.9, 0.4, ROOM - 0.02))
+    panel(s.done(s.mix(seen, s.add("Emission", Strength=6.0), s.add("BsdfTransparent"))), 0.8, location=(-0.9, 0.4, ROOM - 0.02))
     s = Shader("window")
     path = s.add("LightPath").outputs
-    either = s.add("Math")
-    either.operation = "MAXIMUM"
-    s.feed(either.inputs[0], path["Is Shadow Ray"])
-    s.feed(either.inputs[1], path["Is Diffuse Ray"])
+    either = s.math("Math", "MAXIMUM", path["Is Shadow Ray"], path["Is Diffuse Ray"])
     put("cube", s.done(s.mix(either, s.add("BsdfGlass", Roughness=0.0, IOR=1.45), s.add("BsdfTransparent"))), size=1.0,
         location=(0.8, 0.4, 0.5)).scale = (1.4, 1.4, 0.02)
     s = Shader("glass")
@@ -281,34 +214,23 @@ def other_rays():
 def lamps():
     """Area lamps, one with nodes, a portal, a spot, and a point with the colour of a black body. Area lamps are small: here
     they take the light that falls on them, which in Cycles passes."""
-    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    inwards(put("cube", matte(grey(0.6), "wall"), size=2.0 * ROOM))
     shapes = ("SQUARE", (-1.0, 0.6)), ("DISK", (0.0, 0.6)), ("ELLIPSE", (1.0, 0.6)), ("RECTANGLE", (0.0, -0.6))
     for shape, (x, y) in shapes:
-        o = hang("AREA", (x, y, ROOM - 0.02), 30.0)
+        o = lamp("AREA", "AREA", (x, y, ROOM - 0.02), energy=30.0)
         o.data.shape, o.data.size, o.data.size_y = shape, 0.4, 0.25
         o.data.cycles.is_portal = shape == "RECTANGLE"
     o.data.energy = 1e4  # which a portal does not give
-    kelvin = nodes_of(hang("POINT", (-0.8, -0.5, 0.5), 20.0), 1.5)
+    kelvin = nodes_of(lamp("POINT", "POINT", (-0.8, -0.5, 0.5), energy=20.0, shadow_soft_size=0.0), 1.5)
     node = kelvin.id_data.nodes.new("ShaderNodeBlackbody")
     node.inputs[0].default_value = 3000.0
     kelvin.id_data.links.new(node.outputs[0], kelvin.inputs["Color"])
     nodes_of(bpy.data.objects["AREA"], 2.0).inputs["Color"].default_value = (0.2, 1.0, 0.5, 1.0)
-    o = hang("SPOT", (0.6, 0.2, 1.0), 300.0)
-    o.data.spot_size, o.data.spot_blend = 1.4, 0.4
-
-
-def hang(kind, where, watts):
-    o = bpy.data.objects.new(kind, bpy.data.lights.new(kind, kind))
-    o.location, o.data.energy = where, watts
-    if kind != "AREA":
-        o.data.shadow_soft_size = 0.0
-    bpy.context.scene.collection.objects.link(o)
-    return o
+    lamp("SPOT", "SPOT", (0.6, 0.2, 1.0), energy=300.0, shadow_soft_size=0.0, spot_size=1.4, spot_blend=0.4)
 
 
 def nodes_of(o, strength):
-    o.data.use_nodes = True
-    emission = o.data.node_tree.nodes["Emission"]
+    _, emission = lamp_nodes(o)
     emission.inputs["Strength"].default_value = strength
     return emission
 
@@ -332,20 +254,18 @@ def rough_principled():
     s = Shader("brushed")
     put("cube", s.done(gloss_of(s, 0.9, grey(0.7))), size=1.2, location=(0.9, 0.8, -1.3))
     s = Shader("lacquer")
-    node = s.add("BsdfPrincipled", Base_Color=(0.6, 0.05, 0.03, 1.0))
-    (node.inputs.get("Clearcoat") or node.inputs["Coat Weight"]).default_value = 1.0
+    node = s.add("BsdfPrincipled", Base_Color=(0.6, 0.05, 0.03, 1.0), Clearcoat=1.0)
     put("uv_sphere", s.done(node), radius=0.5, location=(0.1, -0.4, -1.4))
 
 
 def mixed_glass():
     """A slab that is diffuse in part, and a bulb above it: a sphere, whose light comes through glass."""
-    inwards(put("cube", diffuse("wall", grey(0.6)), size=2.0 * ROOM))
+    inwards(put("cube", matte(grey(0.6), "wall"), size=2.0 * ROOM))
     s = Shader("sandblasted")
     glass = s.add("BsdfGlass", Roughness=0.1, IOR=1.45)
     glass.distribution = "GGX"
     put("cube", s.done(s.mix(0.3, glass, s.add("BsdfDiffuse", Color=grey(0.9)))), size=1.0, location=(0.0, 0.6, 0.4)).scale = (3.0, 0.05, 3.0)
-    bulb = hang("POINT", (0.0, -ROOM + 0.8, ROOM - 0.3), 100.0)
-    bulb.data.shadow_soft_size = 0.25
+    bulb = lamp("POINT", "POINT", (0.0, -ROOM + 0.8, ROOM - 0.3), energy=100.0, shadow_soft_size=0.25)
     if hasattr(bulb.data, "use_soft_falloff"):
         bulb.data.use_soft_falloff = False
 
@@ -364,9 +284,7 @@ def shares_of_gloss():
     dull = s.add("BsdfPrincipled", Base_Color=(0.2, 0.5, 0.7, 1.0), Roughness=0.1, Specular=0.0)
     put("uv_sphere", s.done(s.mix(0.4, gloss_of(s, 0.2, (0.9, 0.5, 0.1, 1.0)), dull)), radius=0.5, location=(0.1, 0.7, -1.4))
     s = Shader("sum")
-    both = s.add("AddShader")
-    s.feed(both.inputs[0], s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)))
-    s.feed(both.inputs[1], gloss_of(s, 0.1, grey(0.3)))
+    both = s.sum(s.add("BsdfDiffuse", Color=(0.1, 0.5, 0.2, 1.0)), gloss_of(s, 0.1, grey(0.3)))
     put("cube", s.done(s.mix(0.5, both, s.add("BsdfDiffuse", Color=(0.6, 0.1, 0.5, 1.0)))), size=0.9, location=(1.3, 0.9, -1.4))
 
 
@@ -395,10 +313,7 @@ def furnace():
     for i, roughness in enumerate((0.1, 0.6)):
         where = {"radius": 0.45, "segments": 48, "ring_count": 24}
         fixed, sheer, added = Shader("fixed %d" % i), Shader("sheer %d" % i), Shader("added %d" % i)
-        both = added.add("AddShader")
-        added.feed(both.inputs[0], added.add("BsdfDiffuse", Color=grey(0.6)))
-        added.feed(both.inputs[1], gloss_of(added, roughness, grey(0.4)))
-        added.done(both)
+        added.done(added.sum(added.add("BsdfDiffuse", Color=grey(0.6)), gloss_of(added, roughness, grey(0.4))))
         fixed.done(fixed.mix(0.3, fixed.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(fixed, roughness, grey(0.99))))
         sheer.done(sheer.mix(sheer.add("Fresnel", IOR=1.8), sheer.add("BsdfDiffuse", Color=grey(1.0)), gloss_of(sheer, roughness)))
         for k, s in enumerate((fixed, sheer, added)):
@@ -422,7 +337,7 @@ def panes():
     plain_room(strength=3.0, size=1.6)
     window = box(clear("window"), (-0.9, 0.3, 0.4), (1.6, 0.02, 2.0))
     for z in (-0.55, 1.35):
-        box(diffuse("frame", grey(0.3)), (-0.9, 0.3, z), (1.7, 0.1, 0.15))
+        box(matte(grey(0.3), "frame"), (-0.9, 0.3, z), (1.7, 0.1, 0.15))
     box(window.data.materials[0], (-0.9, 0.36, 0.4), (-1.6, 0.02, 2.0))
     s = Shader("picture")
     put("plane", s.done(s.add("BsdfDiffuse", Color=striped(s))), size=1.4, location=(0.9, 1.9, 0.2), rotation=(1.5708, 0.0, 0.0))
@@ -450,7 +365,7 @@ def odd_glass():
 
 def for_eevee():
     """What materials say of culling and clipping, which Cycles ignores: an emitter seen from behind, and leaves."""
-    room(diffuse("walls", grey(0.5)), strength=2.0)
+    room(matte(grey(0.5), "walls"), strength=2.0)
     for name, turn, sets in (("glow", 1.5708, {"Emission": (1.0, 0.6, 0.3, 1.0), "Emission Strength": 2.0}),
                              ("back", -1.5708, {"Emission": (0.3, 0.6, 1.0, 1.0), "Emission Strength": 2.0}),
                              ("leaf", 1.2, {"Base Color": (0.2, 0.7, 0.2, 1.0), "Alpha": 0.3, "Specular": 0.0})):
@@ -479,7 +394,7 @@ def curtains():
 
 def left_out():
     """What can only be named."""
-    room(diffuse("wall", grey(0.6)))
+    plain_room()
     s = Shader("skin")
     put("uv_sphere", s.done(s.add("BsdfPrincipled", Subsurface=0.5, Sheen=1.0, Anisotropic=0.3)), radius=0.4, location=(-1.0, 0.6, -1.4))
     s = Shader("fog")
@@ -520,7 +435,7 @@ def layered():
 
 def named():
     """Of Blender 4: what can only be named."""
-    room(diffuse("wall", grey(0.6)))
+    plain_room()
     for name, sets in (("film", {"Thin_Film_Thickness": 400.0}), ("skin", {"Subsurface": 0.5}), ("brushed", {"Anisotropic": 0.5, "Metallic": 1.0}),
                        ("clay", {"Diffuse_Roughness": 1.0}), ("bottle", {"Transmission_Weight": 0.5}), ("cloth", {"Sheen": 0.5})):
         s = Shader(name)
@@ -532,61 +447,7 @@ def named():
     put("cube", s.done(metal), size=0.4, location=(0.3, 0.9, -1.5))
 
 
-SCENES = (procedural, images, mapped, glass, transparent, emission, no_material, groups, other_rays, lamps, principled, rough_principled, mixed_glass,
-          shares_of_gloss, gloss_by_fresnel, furnace, panes, odd_glass, for_eevee, curtains, left_out, layered, named)
-
-
-def begin(size):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.frame_start = scene.frame_end = 1
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = size
-    eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
-    scene.collection.objects.link(eye)
-    scene.camera = eye
-    eye.location, eye.rotation_euler = (0.2, -ROOM + 0.1, 0.1), (1.45, 0.0, 0.05)
-    eye.data.lens = 20.0
-    eye.data.clip_start = 0.01
-    return scene
-
-
-def render(scene, path, samples):
-    cycles = scene.cycles
-    cycles.device, cycles.samples, cycles.pixel_filter_type, cycles.filter_width = "CPU", samples, "BOX", 1.0
-    cycles.max_bounces = cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = 24
-    cycles.transparent_max_bounces = 24
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    cycles.caustics_reflective = cycles.caustics_refractive = True
-    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    scene.render.filepath = path
-    bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(path)
-    pixels = numpy.empty(image.size[0] * image.size[1] * image.channels, numpy.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(-1, image.channels)[:, :3].mean(axis=0)
-
-
-def main(scenes):
-    p = argparse.ArgumentParser()
-    p.add_argument("folder")
-    p.add_argument("scenes", nargs="*")
-    p.add_argument("--samples", type=int, default=0)
-    p.add_argument("--size", default="64x48")
-    args = p.parse_args(sys.argv[sys.argv.index("--") + 1:])
-    for make in scenes:
-        if make.__name__ not in (args.scenes or [m.__name__ for m in scenes if bpy.app.version >= (4,) or m not in (layered, named)]):
-            continue
-        scene = begin(tuple(int(n) for n in args.size.split("x")))
-        make()
-        base = os.path.join(os.path.abspath(args.folder), make.__name__)
-        bpy.ops.wm.save_as_mainfile(filepath=base + ".blend", check_existing=False)
-        if args.samples:
-            mean = render(scene, base + ".exr", args.samples)
-            with open(base + ".mean", "w", encoding="utf-8") as file:
-                file.write("%.6g %.6g %.6g\n" % tuple(mean))
-
-
-if __name__ == "__main__":
-    main(SCENES)
+def set_up():
+    begin(size=(24, 18))
+    camera = eye((0.2, -ROOM + 0.1, 0.1), (1.45, 0.0, 0.05), "eye")
+    camera.data.lens, camera.data.clip_start = 20.0, 0.01

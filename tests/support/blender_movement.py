@@ -1,34 +1,17 @@
-"""For test_blender_movement.c: NAME.blend for each function below, of things that move, appear and disappear.
-
-    blender -b -P blender_movement.py -- NAME...
-"""
+"""Scenes of things that move, appear and disappear, for test_blender_movement.c."""
 import math
-import os
-import sys
 
 import bpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_both import geometry_tree  # noqa: E402
-from blender_losses import lamp, plain  # noqa: E402
-from blender_shot import cycles_picture, shine  # noqa: E402
+from blender_losses import lamp, plain
+from blender_words import geometry_group, instances_of, key, moved_to, placed, shine
 
 
 def wedge(name, place=(0, 0, 0)):
     """A shape without symmetry, so that what turns or mirrors it shows in the box around it."""
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0.2, 0.7, 0), (0.1, 0.2, 0.5)], [], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
-    o = bpy.data.objects.new(name, mesh)
-    o.location = place
-    bpy.context.scene.collection.objects.link(o)
-    return o
-
-
-def key(o, path, *pairs):
-    for frame, value in pairs:
-        setattr(o, path, value)
-        o.keyframe_insert(path, frame=frame)
+    return placed(name, mesh, place)
 
 
 def rigid():
@@ -37,15 +20,15 @@ def rigid():
     scene.frame_start, scene.frame_end = 3, 12
     turns = (3, (0, 0, 0)), (12, (0.5, 1, 9))
     keyed = wedge("keyed")
-    key(keyed, "location", (3, (0, 0, 0)), (12, (3, 0, 1)))
-    key(keyed, "rotation_euler", *turns)
+    key(keyed, "location", ((3, (0, 0, 0)), (12, (3, 0, 1))))
+    key(keyed, "rotation_euler", turns)
     above = wedge("above", (0, 3, 0))
-    key(above, "rotation_euler", *turns)
+    key(above, "rotation_euler", turns)
     between = wedge("between", (2, 0, 0))
     between.parent, between.scale = above, (2, 2, 2)
     below = wedge("below", (1, 0, 0))
     below.parent = between
-    key(below, "location", (3, (1, 0, 0)), (12, (1, 1, 0)))
+    key(below, "location", ((3, (1, 0, 0)), (12, (1, 1, 0))))
     looks = wedge("looks", (-3, 0, 0)).constraints.new("TRACK_TO")
     looks.target = keyed
     driver = wedge("driven", (-3, 3, 0)).driver_add("location", 2).driver
@@ -56,62 +39,52 @@ def rigid():
     spline.points.add(2)
     for point, at in zip(spline.points, ((0, 0, 0, 1), (2, 1, 0, 1), (3, 3, 2, 1))):
         point.co = at
-    path = bpy.data.objects.new("path", line)
-    path.location = (4, 0, 0)
-    scene.collection.objects.link(path)
+    path = placed("path", line, (4, 0, 0))
     along = wedge("along").constraints.new("FOLLOW_PATH")
     along.target, along.use_curve_follow = path, True
-    for frame, offset in ((3, 0.0), (12, -10.0)):
-        along.offset = offset
-        along.keyframe_insert("offset", frame=frame)
+    key(along, "offset", ((3, 0.0), (12, -10.0)))
     wide = wedge("wide", (0, 6, 0))
     wide.scale = (1, 3, 1)
     for name, moves in (("sheared", True), ("always sheared", False)):
         sheared = wedge(name)
         sheared.parent, sheared.rotation_euler = wide, (0, 0, 1)
         if moves:
-            key(sheared, "rotation_euler", *turns)
+            key(sheared, "rotation_euler", turns)
     still = wedge("sheared, and moves")
     still.parent, still.rotation_euler = wide2(), (0, 0, 1)
     mirrored = wedge("mirrored", (-3, 3, 4))
     mirrored.scale = (-1, 1, 2)
-    key(mirrored, "rotation_euler", *turns)
-    key(wedge("vanishes", (-3, 6, 0)), "scale", (3, (0, 0, 0)), (5, (1, 1, 1)), (8, (1, 0, 1)), (10, (0, 0, 1)), (12, (1, 1, 1)))
-    key(wedge("turns inside out", (-3, 9, 0)), "scale", (3, (1, 1, 1)), (12, (-1, 1, 1)))
+    key(mirrored, "rotation_euler", turns)
+    key(wedge("vanishes", (-3, 6, 0)), "scale", ((3, (0, 0, 0)), (5, (1, 1, 1)), (8, (1, 0, 1)), (10, (0, 0, 1)), (12, (1, 1, 1))))
+    key(wedge("turns inside out", (-3, 9, 0)), "scale", ((3, (1, 1, 1)), (12, (-1, 1, 1))))
     hidden = wedge("hidden", (-6, 0, 0))
-    key(hidden, "location", (3, (-6, 0, 0)), (12, (-6, 3, 0)))
-    key(hidden, "hide_render", (3, True), (6, False), (9, True))
-    key(wedge("appears", (-6, 0, 3)), "hide_render", (3, True), (7, False))
-    key(lamp(scene, "AREA", "panel"), "location", (3, (0, 0, 5)), (12, (3, 0, 5)))
+    key(hidden, "location", ((3, (-6, 0, 0)), (12, (-6, 3, 0))))
+    key(hidden, "hide_render", ((3, True), (6, False), (9, True)))
+    key(wedge("appears", (-6, 0, 3)), "hide_render", ((3, True), (7, False)))
+    key(lamp("AREA", "panel"), "location", ((3, (0, 0, 5)), (12, (3, 0, 5))))
     scene.objects["panel"].rotation_euler = (0.5, 0.2, 0.3)
-    key(lamp(scene, "SPOT", "beam"), "rotation_euler", *turns)
+    key(lamp("SPOT", "beam"), "rotation_euler", turns)
+    scene.frame_set(3)
 
 
 def wide2():
     """Scaled, and moves."""
     o = wedge("wide and moves", (3, 6, 0))
     o.scale = (1, 3, 1)
-    key(o, "location", (3, (3, 6, 0)), (12, (3, 6, 2)))
-    key(o, "rotation_euler", (3, (0, 0, 0)), (12, (0, 1, 0)))
+    key(o, "location", ((3, (3, 6, 0)), (12, (3, 6, 2))))
+    key(o, "rotation_euler", ((3, (0, 0, 0)), (12, (0, 1, 0))))
     return o
 
 
 def scatter(o, source, moves):
     """Instances of geometry nodes, which go up and down."""
-    tree = geometry_tree(o.name)
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
-    info, points = tree.nodes.new("GeometryNodeObjectInfo"), tree.nodes.new("GeometryNodeInstanceOnPoints")
+    points, *move = geometry_group(o, "GeometryNodeInstanceOnPoints", *["GeometryNodeRotateInstances"] * moves)
+    tree = points.id_data
+    info = tree.nodes.new("GeometryNodeObjectInfo")
     info.inputs["Object"].default_value = source
-    tree.links.new(start.outputs[0], points.inputs["Points"])
     tree.links.new(info.outputs["Geometry"], points.inputs["Instance"])
-    last = points
-    if moves:
-        time, move = tree.nodes.new("GeometryNodeInputSceneTime"), tree.nodes.new("GeometryNodeRotateInstances")
-        tree.links.new(points.outputs[0], move.inputs["Instances"])
-        tree.links.new(time.outputs["Seconds"], move.inputs["Rotation"])
-        last = move
-    tree.links.new(last.outputs[0], end.inputs[0])
-    o.modifiers.new("scatter", "NODES").node_group = tree
+    for node in move:
+        tree.links.new(tree.nodes.new("GeometryNodeInputSceneTime").outputs["Seconds"], node.inputs["Rotation"])
 
 
 def many():
@@ -129,19 +102,13 @@ def many():
     settings = emitter.particle_systems[0].settings
     settings.count, settings.frame_start, settings.frame_end, settings.lifetime = 20, 1, 6, 5
     settings.render_type, settings.instance_object, settings.particle_size = "OBJECT", grain, 0.2
-    group = bpy.data.collections.new("group")
-    for name in ("one", "two"):
-        piece = wedge(name)
-        scene.collection.objects.unlink(piece)
-        group.objects.link(piece)
-    place = bpy.data.objects.new("place", None)
-    place.instance_type, place.instance_collection = "COLLECTION", group
-    scene.collection.objects.link(place)
-    key(place, "location", (1, (0, -6, 0)), (12, (4, -6, 2)))
+    place = instances_of(moved_to(bpy.data.collections.new("group"), wedge("one"), wedge("two")))
+    key(place, "location", ((1, (0, -6, 0)), (12, (4, -6, 2))))
     bpy.ops.rigidbody.world_add()
     for o, kind in ((scene.objects["cube"], "PASSIVE"), (wedge("falls", (0.1, 0.2, 1.0)), "ACTIVE")):
         bpy.context.view_layer.objects.active = o
         bpy.ops.rigidbody.object_add(type=kind)
+    scene.frame_set(1)
 
 
 def film():
@@ -157,12 +124,11 @@ def film():
         o = wedge(name, (x, 0, -0.7 if name != "new" else 0.6))
         o.scale = (1.5, 1.5, 1.5)
         o.data.materials.append(shine(name, colour))
-    key(scene.objects["left"], "rotation_euler", (1, (0, 0, 0)), (8, (0, 1.5, 0)))
-    key(scene.objects["right"], "location", (1, (-0.5, 0, -0.7)), (8, (2, 0, 0.5)))
-    key(scene.objects["new"], "hide_render", (1, True), (5, False))
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("film.blend"))
-    for number in (4, 5):
-        cycles_picture(scene, number, "film-%d.exr" % number)
+    key(scene.objects["left"], "rotation_euler", ((1, (0, 0, 0)), (8, (0, 1.5, 0))))
+    key(scene.objects["right"], "location", ((1, (-0.5, 0, -0.7)), (8, (2, 0, 0.5))))
+    key(scene.objects["new"], "hide_render", ((1, True), (5, False)))
+    scene.frame_set(1)
+    return 4, 5
 
 
 def edit():
@@ -174,16 +140,8 @@ def edit():
     for name, place in (("Eye", (0, -6, 0)), ("Side", (1, -4, 1))):
         eye = scene.objects.get(name)
         if eye is None:
-            eye = bpy.data.objects.new(name, bpy.data.cameras.new(name))
-            eye.rotation_euler = (math.pi / 2, 0, 0)
-            scene.collection.objects.link(eye)
-        key(eye, "location", (1, place), (6, (place[0] + 1, place[1], place[2])))
+            eye = placed(name, bpy.data.cameras.new(name), place, (math.pi / 2, 0, 0))
+        key(eye, "location", ((1, place), (6, (place[0] + 1, place[1], place[2]))))
     for name, frame in (("Eye", 1), ("Side", 4)):
         scene.timeline_markers.new(name, frame=frame).camera = scene.objects[name]
-
-
-if __name__ == "__main__":
-    for name in sys.argv[sys.argv.index("--") + 1:]:
-        globals()[name]()
-        bpy.context.scene.frame_set(bpy.context.scene.frame_start)
-        bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
+    scene.frame_set(1)

@@ -1,21 +1,18 @@
-"""For test_blender_passes.c: a scene whose light groups, mattes and indices Blender's compositor takes from Reframe's frames.
+"""A scene whose light groups, mattes and indices Blender's compositor takes from Reframe's frames, for test_blender_passes.c:
 
-    blender -P blender_passes.py -- make                      passes.blend, balanced.blend with its groups dimmed, and cycles.exr
-    blender -P blender_passes.py -- look FRAME.exr SAMPLES    what the compositor makes of a frame, beside cycles.exr
-    blender -P blender_passes.py -- mix OUT FRAME.exr...      means of parts of frames whose light groups are mixed anew
+    blender_make.py -- passes make                      passes.blend, balanced.blend with its groups dimmed, and cycles.exr
+    blender_make.py -- passes look FRAME.exr SAMPLES    what the compositor makes of a frame, beside cycles.exr
+    blender_make.py -- passes mix OUT FRAME.exr...      means of parts of frames whose light groups are mixed anew
 """
 import json
 import math
 import os
 import struct
-import sys
 
 import bpy
 import numpy
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-from blender_both import socket  # noqa: E402
+from blender_words import begin, instances_of, key, moved_to, placed, save, socket
 
 WIDTH, HEIGHT, SAMPLES = 64, 36, 256
 SHARES = {"key": 0.3, "fill light": 2.0}
@@ -35,9 +32,8 @@ def painted(name, index, colour, glow=None):
 
 
 def link(name, data, place, group="", index=0):
-    o = bpy.data.objects.new(name, data)
-    o.location, o.pass_index = place, index
-    bpy.context.scene.collection.objects.link(o)
+    o = placed(name, data, place)
+    o.pass_index = index
     if group:
         o.lightgroup = group
     return o
@@ -58,15 +54,6 @@ def box(name, material, place, size, **options):
     return link(name, mesh, place, **options)
 
 
-def key_linear(o, path, values):
-    for frame, value in values.items():
-        setattr(o, path, value)
-        o.keyframe_insert(path, frame=frame)
-    for curve in o.animation_data.action.fcurves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
-
-
 def switch_on_passes(layer):
     for name in ("z", "normal", "vector", "object_index", "material_index", "mist", "cryptomatte_object", "cryptomatte_material",
                  "cryptomatte_asset"):
@@ -75,9 +62,7 @@ def switch_on_passes(layer):
 
 
 def make_scene():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene, layer = bpy.context.scene, bpy.context.view_layer
-    scene.frame_start, scene.frame_end = 1, 3
+    scene, layer = begin(3), bpy.context.view_layer
     for name in SHARES:
         layer.lightgroups.add(name=name)
     red, blue, glow = painted("Red paint", 3, (0.8, 0.1, 0.1)), painted("Blue.001", 7, (0.1, 0.1, 0.8)), painted("Glow", 0, (0, 0, 0), (2, 2, 1))
@@ -87,14 +72,10 @@ def make_scene():
     for name, place, index in (("Left box", (-0.8, 0, 0.6), 1), ("Mid", (0.8, 0.6, 0.6), 2)):
         box(name, red, place, 1.2, index=index).parent = stand
     right = box("Right", red, (1.6, 0, 0.6), 1.2, index=5)
-    key_linear(right, "location", {1: (1.6, 0, 0.6), 3: (1.6, 0, 1.0)})
-    stones = bpy.data.collections.new("Stones")
-    stone = box("Stone", blue, (0, 0, 0.3), 0.6, index=9)
-    scene.collection.objects.unlink(stone)
-    stones.objects.link(stone)
+    key(right, "location", ((1, (1.6, 0, 0.6)), (3, (1.6, 0, 1.0))), interpolation="LINEAR")
+    stones = moved_to(bpy.data.collections.new("Stones"), box("Stone", blue, (0, 0, 0.3), 0.6, index=9))
     for i, x in enumerate((-2.4, 2.8)):  # an instance is called as what it shows
-        at = link("Place %d" % i, None, (x, -0.6, 0), index=20 + i)
-        at.instance_type, at.instance_collection = "COLLECTION", stones
+        instances_of(stones, "Place %d" % i, (x, -0.6, 0)).pass_index = 20 + i
     # a strip of each group, of one material and mesh
     strip = box("Strip", glow, (-3, 3, 2), 0.5, group="key")
     link("Other strip", strip.data, (3, 3, 2), "fill light")
@@ -106,7 +87,7 @@ def make_scene():
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.5, 0.8, 1)
     eye = link("Eye", bpy.data.cameras.new("Eye"), (0, 0, 0))
     eye.data.lens, eye.rotation_euler = 40, (math.radians(82), 0, 0)
-    key_linear(eye, "location", {1: (-0.2, -7.5, 2.2), 3: (0.2, -7.5, 2.1)})
+    key(eye, "location", ((1, (-0.2, -7.5, 2.2)), (3, (0.2, -7.5, 2.1))), interpolation="LINEAR")
     scene.camera = eye
     return scene
 
@@ -140,11 +121,11 @@ def make():
     scene = make_scene()
     switch_on_passes(bpy.context.view_layer)
     render_by_cycles(scene, "cycles.exr")
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("passes.blend"))
+    save("passes")
     balance(scene)
     scene.world.lightgroup = ""  # those of lamps are enough
     scene.render.image_settings.color_depth, scene.render.image_settings.exr_codec = "32", "DWAA"
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("balanced.blend"))
+    save("balanced")
 
 
 def header_of(path):
@@ -348,10 +329,5 @@ def mix(out, *frames):
             file.write(" ".join("%.9g" % v for v in parts_of(made.get("mixed", made["Combined"])) + parts_of(made["Combined"])) + "\n")
 
 
-def main():
-    what, *rest = sys.argv[sys.argv.index("--") + 1:]
+def main(what, *rest):
     {"make": make, "look": look, "mix": mix}[what](*rest)
-
-
-if __name__ == "__main__":
-    main()

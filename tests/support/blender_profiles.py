@@ -1,10 +1,10 @@
-"""A .blend of lamps that shine to each side otherwise, for test_blender_profiles.c: lamps.blend, and with the argument "lost" those whose
-files cannot be carried. Run inside Blender."""
+"""Lamps that shine to each side otherwise, for test_blender_profiles.c."""
 import math
-import os
-import sys
 
 import bpy
+
+import blender_words
+from blender_words import begin, eye, lamp_nodes, save
 
 DOWN, AROUND = (0, 30, 60, 90), (0, 90, 180, 270, 360)
 CANDELA = [[100, 80, 40, 10], [100, 90, 70, 20], [100, 60, 30, 0], [100, 20, 10, 0], [100, 80, 40, 10]]
@@ -15,21 +15,14 @@ def ies(extra="TILT=NONE", kind=1):
     return "IESNA:LM-63-2002\n[TEST] own\n%s\n" % extra + "".join(" ".join(map(str, line)) + "\n" for line in numbers)
 
 
-def lamp(kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
-    data = bpy.data.lights.new(name, kind)
-    data.energy = 4.0 * math.pi * 10.0
-    if kind != "AREA":
-        data.shadow_soft_size = 0.0
-    o = bpy.data.objects.new(name, data)
-    o.location, o.rotation_euler = place, turn
-    bpy.context.scene.collection.objects.link(o)
-    return o
+def lamp(kind, name, **settings):
+    """Of 10 W/sr, and a point but for areas."""
+    return blender_words.lamp(kind, name, energy=4.0 * math.pi * 10.0, **({} if kind == "AREA" else {"shadow_soft_size": 0.0}), **settings)
 
 
 def shine_by(o, text, strength=1.0, path=None):
-    o.data.use_nodes = True
-    tree = o.data.node_tree
-    node, emission = tree.nodes.new("ShaderNodeTexIES"), next(n for n in tree.nodes if n.type == "EMISSION")
+    tree, emission = lamp_nodes(o)
+    node = tree.nodes.new("ShaderNodeTexIES")
     node.inputs["Strength"].default_value = strength
     if path is None:
         node.mode, node.ies = "INTERNAL", bpy.data.texts.new("ies")
@@ -48,47 +41,38 @@ def turned(tree, node, by):
     tree.links.new(mapping.outputs["Vector"], node.inputs["Vector"])
 
 
-def make():
+def lamps():
+    """Those whose files are carried."""
     with open("lamp.ies", "w") as file:
         file.write(ies())
     shine_by(lamp("POINT", "inside"), ies(), 2.0)
     shine_by(lamp("POINT", "outside", turn=(0.0, 0.0, math.pi / 2)), None, 1.0, "//lamp.ies")
     turned(*shine_by(lamp("POINT", "mapped"), ies()), (0.0, 0.0, math.pi / 2))
-    spot = lamp("SPOT", "spot")
-    spot.data.spot_size, spot.data.spot_blend = math.radians(120.0), 1.0
-    wide = lamp("SPOT", "wide")
-    wide.data.spot_size, wide.data.spot_blend, wide.scale = math.radians(90.0), 1.0, (2.0, 1.0, 1.0)
+    lamp("SPOT", "spot", spot_size=math.radians(120.0), spot_blend=1.0)
+    lamp("SPOT", "wide", spot_size=math.radians(90.0), spot_blend=1.0).scale = (2.0, 1.0, 1.0)
 
 
-def make_lost():
+def lost():
+    """Those whose files are not."""
     shine_by(lamp("AREA", "panel"), ies())
     shine_by(lamp("POINT", "sideways"), ies(kind=2))
     shine_by(lamp("POINT", "missing"), None, 1.0, "//none.ies")
-    tree, node = shine_by(lamp("POINT", "dimmed"), ies())
+    dimmed = lamp("POINT", "dimmed")
+    tree, node = shine_by(dimmed, ies())
     plus = tree.nodes.new("ShaderNodeMath")
-    emission = node.outputs[0].links[0].to_node
     tree.links.new(node.outputs[0], plus.inputs[0])
-    tree.links.new(plus.outputs[0], emission.inputs["Strength"])
-    tree, node = shine_by(lamp("POINT", "gobo"), ies())
+    tree.links.new(plus.outputs[0], lamp_nodes(dimmed)[1].inputs["Strength"])
+    gobo = lamp("POINT", "gobo")
+    tree, _ = shine_by(gobo, ies())
     image = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(image.outputs["Fac"], emission_of(tree).inputs["Strength"])
+    tree.links.new(image.outputs["Fac"], lamp_nodes(gobo)[1].inputs["Strength"])
 
 
-def emission_of(tree):
-    return next(n for n in tree.nodes if n.type == "EMISSION")
-
-
-bpy.ops.wm.read_factory_settings(use_empty=True)
-s = bpy.context.scene
-s.render.engine = "CYCLES"
-s.cycles.max_bounces = s.cycles.diffuse_bounces = s.cycles.glossy_bounces = s.cycles.transmission_bounces = 64
-s.cycles.sample_clamp_direct = s.cycles.sample_clamp_indirect = 0.0
-s.frame_start = s.frame_end = 1
-bpy.ops.mesh.primitive_plane_add(size=4)
-eye = bpy.data.objects.new("eye", bpy.data.cameras.new("eye"))
-eye.location = (0, 0, 5)
-s.collection.objects.link(eye)
-s.camera = eye
-bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("lamps.blend"))
-make_lost() if "lost" in sys.argv else make()
-bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath("lamps.blend"))
+def set_up():
+    scene = begin()
+    scene.render.engine = "CYCLES"
+    scene.cycles.max_bounces = scene.cycles.diffuse_bounces = scene.cycles.glossy_bounces = scene.cycles.transmission_bounces = 64
+    scene.cycles.sample_clamp_direct = scene.cycles.sample_clamp_indirect = 0.0
+    bpy.ops.mesh.primitive_plane_add(size=4)
+    eye((0, 0, 5), (0, 0, 0), "eye")
+    save("lamps")  # so that files are beside it

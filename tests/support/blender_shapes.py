@@ -3,28 +3,25 @@ frames, and their corners in three frames, shapes.bin and rigs.bin: for each fra
 each corner position and normal in glTF's axes, as floats.
 """
 import math
-import os
 import struct
-import sys
 
 import bpy
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_both import geometry_tree  # noqa: E402
+from blender_words import begin, geometry_group, instances_of, key, placed, save
 
 LAST = 8
 places = list(range(100))
 
 
-def add(name, data):
-    """An object beside those that are there; of 2 m, as all of them."""
-    o = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(o)
+def place():
+    """Beside the objects that are there; of 2 m, as all of them."""
     i = places.pop(0)
-    o.location = (4 * (i % 5) - 8, 4 * (i // 5) - 4, 0)
-    return o
+    return 4 * (i % 5) - 8, 4 * (i // 5) - 4, 0
+
+
+def add(name, data):
+    return placed(name, data, place())
 
 
 def grid(name, n, smooth=True, materials=()):
@@ -41,9 +38,7 @@ def grid(name, n, smooth=True, materials=()):
 
 def keyed(owner, path, *values):
     """Keys at the first and the last frame."""
-    for frame, value in zip((1, bpy.context.scene.frame_end), values):
-        setattr(owner, path, value)
-        owner.keyframe_insert(path, frame=frame)
+    key(owner, path, zip((1, bpy.context.scene.frame_end), values))
 
 
 def wave(o):
@@ -54,9 +49,7 @@ def wave(o):
 
 def arm(o):
     """Two bones along x, of which the second one turns."""
-    bones = bpy.data.objects.new("bones", bpy.data.armatures.new("bones"))
-    bpy.context.scene.collection.objects.link(bones)
-    bones.location = o.location
+    bones = placed("bones", bpy.data.armatures.new("bones"), o.location)
     bpy.context.view_layer.objects.active = bones
     bpy.ops.object.mode_set(mode="EDIT")
     for i in range(2):
@@ -76,29 +69,11 @@ def arm(o):
     return modifier
 
 
-def sprouting():
-    """A mesh whose coordinates geometry nodes set, and so nothing but they change."""
-    tree = geometry_tree("shift")
-    start, end, shift = (tree.nodes.new(n) for n in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeSetPosition"))
-    tree.links.new(start.outputs[0], shift.inputs["Geometry"])
-    tree.links.new(shift.outputs[0], end.inputs[0])
-    keyed(shift.inputs["Offset"], "default_value", (0, 0, 0), (0, 0, 0.7))
-    return tree
-
-
-def start(last):
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = 1, last
-    return scene
-
-
-def save(scene, name, middle):
+def finish(scene, name, middle):
     """With a camera; and the corners in the first, a middle, and the last frame."""
-    eye = add("Eye", bpy.data.cameras.new("Eye"))
+    eye = scene.camera = add("Eye", bpy.data.cameras.new("Eye"))
     eye.location, eye.rotation_euler = (0, -22, 8), (1.2, 0, 0)
-    scene.camera = eye
-    bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"))
+    save(name)
     with open(name + ".bin", "wb") as file:
         for frame in range(1, scene.frame_end + 1):
             scene.frame_set(frame)
@@ -127,15 +102,13 @@ def again(o):
     if not group.objects:
         group.objects.link(o)
         group.instance_offset = o.location
-    place = add("again", None)
-    place.instance_type, place.instance_collection = "COLLECTION", group
-    return place
+    return instances_of(group, "again", place())
 
 
 def rigs():
     """Two keys, one of them driven; a tube that bones bend, shown again by an instance that turns; others keep their volume or
     have many instances."""
-    scene = start(40)
+    scene = begin(40)
     keys = grid("two keys", 30)
     for name in ("Basis", "up", "wide"):
         keys.shape_key_add(name=name)
@@ -156,11 +129,11 @@ def rigs():
     arm(many)
     for i in range(6):
         again(many).rotation_euler = (0, 0, i)
-    save(scene, "rigs", 17)
+    finish(scene, "rigs", 17)
 
 
 def main():
-    scene = start(LAST)
+    scene = begin(LAST)
     two = [bpy.data.materials.new("m%d" % i) for i in range(2)]
     o = grid("smooth", 8, materials=two)
     wave(o)
@@ -208,17 +181,18 @@ def main():
     text = add("text", bpy.data.curves.new("text", "FONT"))
     text.data.body, text.data.bevel_depth = "S", 0.03
     text.data.driver_add("bevel_resolution").driver.expression = "frame // 4"
-    grid("nodes", 3).modifiers.new("nodes", "NODES").node_group = sprouting()
+    shift, = geometry_group(grid("nodes", 3), "GeometryNodeSetPosition")  # nothing but the nodes change
+    keyed(shift.inputs["Offset"], "default_value", (0, 0, 0), (0, 0, 0.7))
     # as instances: some stand still, one moves
     for i in range(6):
-        place = again(keys)
-        place.rotation_euler = (0, 0, i)
-    keyed(place, "scale", (1, 1, 1), (0.5, 0.5, 0.5))
+        last = again(keys)
+        last.rotation_euler = (0, 0, i)
+    keyed(last, "scale", (1, 1, 1), (0.5, 0.5, 0.5))
     # and once more, sheared and mirrored by its parent
     parent, bent = add("parent", None), add("bent", keys.data)
     parent.scale = (1, -0.5, 1)
     bent.parent, bent.location, bent.rotation_euler = parent, (0, 0, 0), (0, 0, 0.6)
-    save(scene, "shapes", 4)
+    finish(scene, "shapes", 4)
     places[:] = range(100)
     rigs()
 
@@ -250,7 +224,3 @@ def corners(depsgraph):
         places = places.reshape(-1, 3)[vertices] @ matrix[:3, :3].T + matrix[:3, 3]
         found.append(numpy.concatenate((places, unit(normals.reshape(-1, 3) @ turn)), axis=1))
     return numpy.concatenate(found)[:, [0, 2, 1, 3, 5, 4]] * (1, 1, -1, 1, 1, -1)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,15 +1,8 @@
-"""Makes small scenes of surfaces that glTF's extensions carry, for one of blender_materials.py:
-
-    blender -b --factory-startup -P blender_surfaces.py -- FOLDER [SCENE ...] [--samples N] [--size WxH]
-"""
-import os
-import sys
-
+"""Small scenes of surfaces that glTF's extensions carry, for test_blender_surfaces.c."""
 import bpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_materials import ROOM, Shader, diffuse, gloss_of, grey, main, plain_room, put, room, striped  # noqa: E402,F401
+from blender_materials import ROOM, gloss_of, plain_room, put, room, set_up, striped  # noqa: F401
+from blender_words import Shader, grey
 
 
 def ramp(s, factor, *stops):
@@ -36,15 +29,11 @@ def by_angle():
     ball(s.done(s.mix(share, s.add("BsdfDiffuse", Color=(0.1, 0.3, 0.6, 1.0)), gloss_of(s, 0.3))), (-0.8, 0.5, -1.4))
     s = Shader("rim")
     glow = s.add("Emission", Color=ramp(s, s.add("Fresnel", IOR=1.4).outputs[0], (0.0, grey(0.0)), (0.5, (1.0, 0.5, 0.1, 1.0))))
-    both = s.add("AddShader")
-    s.feed(both.inputs[0], s.add("BsdfDiffuse", Color=grey(0.3)))
-    s.feed(both.inputs[1], glow)
+    both = s.sum(s.add("BsdfDiffuse", Color=grey(0.3)), glow)
     ball(s.done(both), (0.4, 0.7, -1.4))
     s = Shader("by hand")
-    geometry, cosine = s.add("NewGeometry"), s.add("VectorMath")
-    cosine.operation = "DOT_PRODUCT"
-    s.feed(cosine.inputs[0], geometry.outputs["Normal"])
-    s.feed(cosine.inputs[1], geometry.outputs["Incoming"])
+    geometry = s.add("NewGeometry").outputs
+    cosine = s.math("VectorMath", "DOT_PRODUCT", geometry["Normal"], geometry["Incoming"])
     ball(s.done(s.add("BsdfDiffuse", Color=cosine.outputs["Value"])), (1.4, 0.9, -1.4))
 
 
@@ -60,9 +49,7 @@ def fabrics():
     velvet.inputs["Sigma" if name == "BsdfVelvet" else "Roughness"].default_value = 0.6
     ball(s.done(velvet), (-1.1, 0.5, -1.4))
     s = Shader("plush")
-    both = s.add("AddShader")
-    s.feed(both.inputs[0], s.add("BsdfDiffuse", Color=(0.1, 0.4, 0.2, 1.0)))
-    s.feed(both.inputs[1], s.add(name, Color=grey(0.3)))
+    both = s.sum(s.add("BsdfDiffuse", Color=(0.1, 0.4, 0.2, 1.0)), s.add(name, Color=grey(0.3)))
     ball(s.done(both), (1.1, 0.6, -1.4))
 
 
@@ -77,11 +64,7 @@ def bumps():
     room(bumpy("wall", grey(0.6), lambda s, h: s.add("Displacement", Height=h, Scale=0.3)))
 
     def along(s, height):
-        geometry, vector = s.add("NewGeometry"), s.add("VectorMath")
-        vector.operation = "SCALE"
-        s.feed(vector.inputs[0], geometry.outputs["Normal"])
-        s.feed(vector.inputs["Scale"], height)
-        return vector
+        return s.math("VectorMath", "SCALE", s.add("NewGeometry").outputs["Normal"], height)
 
     ball(bumpy("vectors", (0.7, 0.3, 0.2, 1.0), along), (-0.7, 0.5, -1.3))
     ball(bumpy("both", (0.2, 0.5, 0.7, 1.0), lambda s, h: s.add("Displacement", Height=h, Scale=0.2),
@@ -102,8 +85,7 @@ def brushed():
     turn = s.add("SeparateColor", Color=striped(s)).outputs["Red"]
     ball(s.done(s.add(name, Color=grey(0.8), Roughness=0.4, Anisotropy=0.5, Rotation=turn)), (1.1, 0.6, -1.4))
     s = Shader("coat")
-    node = s.add("BsdfPrincipled", Base_Color=(0.6, 0.1, 0.05, 1.0))
-    (node.inputs.get("Clearcoat") or node.inputs["Coat Weight"]).default_value = 1.0
+    node = s.add("BsdfPrincipled", Base_Color=(0.6, 0.1, 0.05, 1.0), Clearcoat=1.0)
     bump = s.add("Bump", Height=s.add("TexNoise", Scale=4.0).outputs["Fac"], Distance=0.1)
     s.feed(node.inputs.get("Clearcoat Normal") or node.inputs["Coat Normal"], bump)
     if "Thin Film Thickness" in node.inputs:
@@ -141,8 +123,3 @@ def displaced():
     put_displaced("turned", (0.4, 0.9, -1.2), lambda s, h: s.add("Displacement", Height=h, Midlevel=0.3, Scale=1.0),
                   rotation_euler=(0.3, 0.5, 0.7), scale=(0.5, 0.8, 1.2))
     put_displaced("lifted", (1.3, 0.3, -1.5), lambda s, h: s.add("VectorDisplacement", Vector=s.add("CombineXYZ", Z=h), Scale=1.5))
-
-
-SCENES = (by_angle, fabrics, bumps, brushed, leaves, displaced)
-
-main(SCENES)

@@ -1,71 +1,34 @@
-"""For test_blender_values.c: NAME.blend for each function below, whose values change from frame to frame, and with --samples the means of
-some frames by Cycles.
-
-    blender -b -P blender_values.py -- [--samples N] NAME...
-"""
-import argparse
+"""Values that change from frame to frame, for test_blender_values.c."""
 import math
 import os
-import sys
 
 import bpy
 import numpy
 
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-sys.dont_write_bytecode = True
-from blender_both import add_socket, socket  # noqa: E402
+import blender_words
+from blender_words import Shader, add_socket, begin, eye, grey, lamp, lamp_nodes, socket, world
 
 FRAMES = (1, 5)
-SIZE = (32, 24)
+SHOWN = (1, 3, 5)
 
 
-class Shader:
+def set_up():
+    begin(FRAMES[1], size=(32, 24))
+    eye()
+
+
+def on_plane(name, place):
     """A material that consists of nodes, on a plane of its own."""
-
-    def __init__(self, name, place):
-        bpy.ops.mesh.primitive_plane_add(size=1.8, location=place, rotation=(0.5 * math.pi, 0.0, 0.0))
-        bpy.context.object.name = name
-        self.material = bpy.data.materials.new(name)
-        bpy.context.object.data.materials.append(self.material)
-        self.material.use_nodes = True
-        self.tree = self.material.node_tree
-        self.tree.nodes.clear()
-        self.out = self.add("OutputMaterial")
-
-    def add(self, kind, **inputs):
-        node = self.tree.nodes.new("ShaderNode" + kind)
-        for name, value in inputs.items():
-            self.feed(socket(node, name.replace("_", " ")), value)
-        return node
-
-    def feed(self, to, value):
-        if isinstance(value, bpy.types.NodeSocket):
-            self.tree.links.new(value, to)
-        elif isinstance(value, bpy.types.Node):
-            self.tree.links.new(value.outputs[0], to)
-        else:
-            to.default_value = value
-
-    def done(self, shader):
-        self.feed(self.out.inputs["Surface"], shader)
+    bpy.ops.mesh.primitive_plane_add(size=1.8, location=place, rotation=(0.5 * math.pi, 0.0, 0.0))
+    bpy.context.object.name = name
+    s = Shader(name)
+    bpy.context.object.data.materials.append(s.material)
+    return s
 
 
 def key(owner, path, first, last, index=-1):
     """Straight from the first frame to the last."""
-    for frame, value in zip(FRAMES, (first, last)):
-        if index >= 0:
-            getattr(owner, path)[index] = value
-        else:
-            setattr(owner, path, value)
-        owner.keyframe_insert(path, index=index, frame=frame)
-    animation = owner.id_data.animation_data
-    for curve in animation.action.fcurves:
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
-
-
-def grey(value):
-    return (value, value, value, 1.0)
+    blender_words.key(owner, path, zip(FRAMES, (first, last)), index, "LINEAR")
 
 
 def picture(name, pixels):
@@ -89,43 +52,27 @@ def film(kind="SEQUENCE", count=4):
     return image
 
 
-def begin():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = FRAMES
-    scene.render.engine = "CYCLES"
-    scene.render.resolution_x, scene.render.resolution_y = SIZE
-    eye = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
-    eye.location, eye.rotation_euler = (0.0, -6.0, 0.0), (0.5 * math.pi, 0.0, 0.0)
-    scene.collection.objects.link(eye)
-    scene.camera = eye
-    return scene
+def lit(kind, name, place=(0.0, -3.0, 0.0), turn=(0.5 * math.pi, 0.0, 0.0), **settings):
+    return lamp(kind, name, place, turn, **settings)
 
 
-def lamp(scene, kind, name, place=(0.0, -3.0, 0.0), turn=(0.5 * math.pi, 0.0, 0.0)):
-    o = bpy.data.objects.new(name, bpy.data.lights.new(name, kind))
-    o.location, o.rotation_euler = place, turn
-    scene.collection.objects.link(o)
-    return o
-
-
-def surfaces(scene):
+def surfaces():
     """Numbers of shaders: keyed, driven, and within a group."""
-    lamp(scene, "SUN", "sun").data.energy = 3.0
-    s = Shader("glow", (-2.0, 0.0, 1.0))
+    lit("SUN", "sun", energy=3.0)
+    s = on_plane("glow", (-2.0, 0.0, 1.0))
     light = s.add("Emission", Color=(1.0, 0.5, 0.25, 1.0))
     key(light.inputs["Strength"], "default_value", 0.0, 8.0)
     s.done(light)
-    s = Shader("paint", (0.0, 0.0, 1.0))
+    s = on_plane("paint", (0.0, 0.0, 1.0))
     paint = s.add("BsdfPrincipled", Roughness=0.4, Specular=0.0)
     for i, (a, b) in enumerate(((0.8, 0.1), (0.2, 0.2), (0.1, 0.6))):
         key(socket(paint, "Base Color"), "default_value", a, b, i)
     s.done(paint)
-    s = Shader("steel", (2.0, 0.0, 1.0))
+    s = on_plane("steel", (2.0, 0.0, 1.0))
     steel = s.add("BsdfPrincipled", Base_Color=(0.8, 0.7, 0.6, 1.0), Metallic=1.0)
     key(socket(steel, "Roughness"), "default_value", 0.2, 0.6)
     s.done(steel)
-    s = Shader("fades", (-2.0, 0.0, -1.0))
+    s = on_plane("fades", (-2.0, 0.0, -1.0))
     fades = s.add("BsdfPrincipled", Base_Color=grey(0.5), Specular=0.0, Roughness=1.0)
     key(socket(fades, "Alpha"), "default_value", 1.0, 0.2)
     s.done(fades)
@@ -134,7 +81,7 @@ def surfaces(scene):
     count, out = group.nodes.new("ShaderNodeValue"), group.nodes.new("NodeGroupOutput")
     group.links.new(count.outputs[0], out.inputs[0])
     count.outputs[0].driver_add("default_value").driver.expression = "frame / 10"
-    s = Shader("driven", (0.0, 0.0, -1.0))
+    s = on_plane("driven", (0.0, 0.0, -1.0))
     counter = s.add("Group")
     counter.node_tree = group
     s.done(s.add("BsdfDiffuse", Color=counter))
@@ -148,38 +95,36 @@ def show(s, image, at=None):
     return node
 
 
-def pictures(scene):
+def pictures():
     """A film that shines ever more, one that is looked at in turn and mixed with noise, a picture that slides and turns, clouds that boil."""
-    lamp(scene, "SUN", "sun").data.energy = 3.0
-    s = Shader("screen", (-2.0, 0.0, 1.0))
+    lit("SUN", "sun", energy=3.0)
+    s = on_plane("screen", (-2.0, 0.0, 1.0))
     screen = show(s, film())
     screen.image_user.frame_duration, screen.image_user.frame_start, screen.image_user.frame_offset = 4, 2, 2
     shine = s.add("Emission", Color=screen)
     key(shine.inputs["Strength"], "default_value", 1.0, 2.0)
     s.done(shine)
-    s = Shader("mixed", (0.0, 0.0, 1.0))
+    s = on_plane("mixed", (0.0, 0.0, 1.0))
     mixed = show(s, film())
     mixed.image_user.frame_duration, mixed.image_user.frame_offset, mixed.image_user.use_cyclic = 3, 2, True
-    noise, both = s.add("TexNoise", Scale=3.0), s.add("VectorMath")
-    both.operation = "MULTIPLY"
-    s.feed(both.inputs[0], mixed)
-    s.feed(both.inputs[1], noise.outputs["Color"])
+    both = s.math("VectorMath", "MULTIPLY", mixed, s.add("TexNoise", Scale=3.0).outputs["Color"])
     s.done(s.add("BsdfDiffuse", Color=both))
-    s = Shader("slides", (2.0, 0.0, 1.0))
+    s = on_plane("slides", (2.0, 0.0, 1.0))
     turn, where = s.add("Mapping"), s.add("TexCoord")
     s.feed(turn.inputs["Vector"], where.outputs["UV"])
     key(turn.inputs["Location"], "default_value", 0.0, 0.4, 0)
     key(turn.inputs["Rotation"], "default_value", 0.0, 0.5, 2)
     s.done(s.add("BsdfDiffuse", Color=show(s, picture("stairs", [[0.1 * (x // 8 + y // 8) for x in range(32)] for y in range(32)]), turn)))
-    s = Shader("boils", (-2.0, 0.0, -1.0))
+    s = on_plane("boils", (-2.0, 0.0, -1.0))
     clouds = s.add("TexNoise", Scale=3.0)
     clouds.noise_dimensions = "4D"
     key(clouds.inputs["W"], "default_value", 0.0, 2.0)
     s.done(s.add("BsdfDiffuse", Color=clouds))
-    s = Shader("ember", (0.0, 0.0, -1.0))
+    s = on_plane("ember", (0.0, 0.0, -1.0))
     ember = s.add("Emission", Color=s.add("TexNoise", Scale=3.0))
     key(ember.inputs["Strength"], "default_value", 0.0, 2.0)
     s.done(ember)
+    return SHOWN
 
 
 def wall():
@@ -187,25 +132,19 @@ def wall():
     bpy.ops.mesh.primitive_cube_add(size=1.5, rotation=(0.3, 0.2, 0.5))
 
 
-def world_of(scene):
-    scene.world = bpy.data.worlds.new("world")
-    scene.world.use_nodes = True
-    return scene.world.node_tree, scene.world.node_tree.nodes["Background"]
-
-
-def dusk(scene):
+def dusk():
     """A world of one colour, which changes."""
     wall()
-    _, shine = world_of(scene)
+    _, shine = world()
     key(shine.inputs["Strength"], "default_value", 1.0, 0.25)
     for i, (a, b) in enumerate(((0.2, 0.8), (0.4, 0.4), (0.8, 0.0))):
         key(shine.inputs["Color"], "default_value", a, b, i)
 
 
-def panorama(scene):
+def panorama():
     """A picture of the world that turns and fades, its strength driven through a group."""
     wall()
-    tree, shine = world_of(scene)
+    tree, shine = world()
     image = bpy.data.images.new("panorama", 64, 32, float_buffer=True)
     pixels = numpy.ones((32, 64, 4), numpy.float32)
     pixels[:, :, 0], pixels[:, :, 1] = numpy.linspace(0.0, 1.0, 64)[None, :], numpy.linspace(0.0, 1.0, 32)[:, None]
@@ -219,51 +158,48 @@ def panorama(scene):
     tree.links.new(sky.outputs[0], shine.inputs["Color"])
     key(turn.inputs["Rotation"], "default_value", 0.0, math.radians(90.0), 2)  # by whole pixels of the picture
     shine.inputs["Strength"].driver_add("default_value").driver.expression = "(frame - 1) / 4"
+    return SHOWN
 
 
-def sun(scene):
+def sun():
     """A sky whose sun turns."""
     wall()
-    tree, shine = world_of(scene)
+    tree, shine = world()
     sky = tree.nodes.new("ShaderNodeTexSky")
     sky.sky_type, sky.sun_elevation, sky.sun_disc = "NISHITA", 0.3, False
     tree.links.new(sky.outputs[0], shine.inputs["Color"])
     key(sky, "sun_rotation", 0.0, 2.0)
+    return SHOWN
 
 
-def rises(scene):
+def rises():
     """A sky whose sun rises, which is lost."""
-    sun(scene)
-    key(scene.world.node_tree.nodes["Sky Texture"], "sun_elevation", 0.0, 1.0)
+    sun()
+    key(bpy.context.scene.world.node_tree.nodes["Sky Texture"], "sun_elevation", 0.0, 1.0)
 
 
-def lamps(scene):
+def lamps():
     """Lamps of all kinds before a wall each: energy, colour, size and cone; one that is off at first, one whose nodes are driven."""
     for i in range(6):
-        s = Shader("wall %d" % i, (2.0 * (i % 3 - 1), 0.0, 1.0 - 2.0 * (i // 3)))
+        s = on_plane("wall %d" % i, (2.0 * (i % 3 - 1), 0.0, 1.0 - 2.0 * (i // 3)))
         s.done(s.add("BsdfDiffuse", Color=grey(0.8)))
-    panel = lamp(scene, "AREA", "panel", (-2.0, -2.0, 3.5), (1.0, 0.0, 0.0))
-    panel.data.size, panel.data.energy = 0.4, 5.0
+    panel = lit("AREA", "panel", (-2.0, -2.0, 3.5), (1.0, 0.0, 0.0))
     key(panel.data, "size", 0.2, 0.8)
     key(panel.data, "energy", 20.0, 100.0)
-    bulb = lamp(scene, "POINT", "bulb", (0.0, -0.8, 1.0))
-    bulb.data.shadow_soft_size = 0.0
+    bulb = lit("POINT", "bulb", (0.0, -0.8, 1.0), shadow_soft_size=0.0)
     key(bulb.data, "energy", 0.0, 20.0)
     for i, (a, b) in enumerate(((1.0, 0.2), (1.0, 0.5), (0.5, 1.0))):
         key(bulb.data, "color", a, b, i)
-    spot = lamp(scene, "SPOT", "spot", (2.0, -2.0, 1.0))
-    spot.data.shadow_soft_size, spot.data.spot_blend, spot.data.energy = 0.0, 0.2, 100.0
+    spot = lit("SPOT", "spot", (2.0, -2.0, 1.0), shadow_soft_size=0.0, spot_blend=0.2, energy=100.0)
     key(spot.data, "spot_size", 0.4, 0.8)
-    driven = lamp(scene, "POINT", "driven", (-2.0, -0.8, -1.0))
-    driven.data.use_nodes, driven.data.energy, driven.data.shadow_soft_size = True, 10.0, 0.0
-    driven.data.node_tree.nodes["Emission"].inputs["Strength"].driver_add("default_value").driver.expression = "frame / 5"
-    plate = lamp(scene, "AREA", "plate", (0.0, -2.0, -3.5), (2.1, 0.0, 0.0))
-    plate.data.shape = "ELLIPSE"
+    driven = lit("POINT", "driven", (-2.0, -0.8, -1.0), energy=10.0, shadow_soft_size=0.0)
+    lamp_nodes(driven)[1].inputs["Strength"].driver_add("default_value").driver.expression = "frame / 5"
+    plate = lit("AREA", "plate", (0.0, -2.0, -3.5), (2.1, 0.0, 0.0), shape="ELLIPSE", size=0.5, energy=100.0)
     key(plate.data, "size_y", 0.1, 1.0)
-    plate.data.size, plate.data.energy = 0.5, 100.0
+    return SHOWN
 
 
-def movie(scene):
+def movie():
     """A movie, of which frames 1 to 5 are greys, shown from its second frame on."""
     other = bpy.data.scenes.new("movie")
     other.camera = bpy.data.objects.new("movie", bpy.data.cameras.new("movie"))
@@ -282,39 +218,8 @@ def movie(scene):
     render.filepath, render.use_file_extension, other.view_settings.view_transform = os.path.abspath("movie.avi"), False, "Raw"
     bpy.ops.render.render(animation=True, scene="movie")
     bpy.data.scenes.remove(other)
-    s = Shader("screen", (0.0, 0.0, 1.0))
+    s = on_plane("screen", (0.0, 0.0, 1.0))
     node = show(s, bpy.data.images.load(os.path.abspath("movie.avi")))
     node.image_user.frame_duration, node.image_user.frame_offset = 3, 1
     s.done(s.add("Emission", Color=node))
-
-
-SCENES = (surfaces, pictures, movie, lamps, dusk, panorama, sun, rises)
-
-
-def render(scene, name, samples):
-    cycles = scene.cycles
-    cycles.device, cycles.samples, cycles.pixel_filter_type, cycles.filter_width = "CPU", samples, "BOX", 1.0
-    cycles.use_adaptive_sampling = cycles.use_denoising = False
-    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.blur_glossy = 0.0
-    scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
-    for frame in (FRAMES[0], sum(FRAMES) // 2, FRAMES[1]):
-        scene.frame_set(frame)
-        scene.render.filepath = os.path.abspath("%s-%d.exr" % (name, frame))
-        bpy.ops.render.render(write_still=True)
-
-
-def main():
-    p = argparse.ArgumentParser()
-    p.add_argument("scenes", nargs="+")
-    p.add_argument("--samples", type=int, default=0)
-    args = p.parse_args(sys.argv[sys.argv.index("--") + 1:])
-    for make in SCENES:
-        if make.__name__ in args.scenes:
-            scene = begin()
-            make(scene)
-            bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(make.__name__ + ".blend"), check_existing=False)
-            if args.samples:
-                render(scene, make.__name__, args.samples)
-
-
-main()
+    return SHOWN

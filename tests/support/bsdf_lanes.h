@@ -66,6 +66,14 @@ typedef struct Material
     float side; // that was drawn: −1, or any other for that of the eye
 } Material;
 
+// In initialisers: a colour, the Fresnel terms of a dielectric, a clear coat.
+#define GREY( v )                                                                                                                \
+    {                                                                                                                            \
+        v, v, v                                                                                                                  \
+    }
+#define COAT( f0 ) .f90 = 1, .coat_f0 = ( f0 ), .coat_f90 = 1
+#define CLEARCOAT_OF( strength, alpha ) .clearcoat = ( strength ), .clearcoat_alpha = ( alpha )
+
 static inline void put( int array, int i, RfVec3 v )
 {
     s_lanes[array][i] = v.x;

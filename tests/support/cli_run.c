@@ -4,10 +4,6 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -48,20 +44,20 @@ int cli_leave_group( void** state )
     return 0;
 }
 
-static void path_of( const char* name, char* path, size_t size ) { snprintf( path, size, "%s/%s", s_folder, name ); }
-
-bool cli_exists( const char* name )
+const char* cli_path( const char* name )
 {
-    char path[512];
-    path_of( name, path, sizeof path );
-    return access( path, F_OK ) == 0;
+    static char s_paths[32][512];
+    static int s_next;
+    char* path = s_paths[s_next++ % 32];
+    snprintf( path, sizeof s_paths[0], "%s%s%s", name[0] == '/' ? "" : s_folder, name[0] == '/' ? "" : "/", name );
+    return path;
 }
+
+bool cli_exists( const char* name ) { return access( cli_path( name ), F_OK ) == 0; }
 
 void cli_write( const char* name, const void* bytes, size_t size )
 {
-    char path[512];
-    path_of( name, path, sizeof path );
-    FILE* file = fopen( path, "wb" );
+    FILE* file = fopen( cli_path( name ), "wb" );
     assert_non_null( file );
     assert_int_equal( fwrite( bytes, 1, size, file ), size );
     assert_int_equal( fclose( file ), 0 );
@@ -69,8 +65,7 @@ void cli_write( const char* name, const void* bytes, size_t size )
 
 char* cli_read( const char* name, size_t* size )
 {
-    char path[512];
-    path_of( name, path, sizeof path );
+    const char* path = cli_path( name );
     FILE* file = fopen( path, "rb" );
     if ( file == NULL )
         fail_msg( "%s is not there", path );
@@ -97,11 +92,57 @@ json_t* cli_read_json( const char* name )
     return json;
 }
 
+RfImage cli_read_exr( const char* name )
+{
+    RfImage image;
+    RfError error = { 0 };
+    if ( rf_read_exr( cli_path( name ), &image, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    return image;
+}
+
+void cli_expect_size( const char* name, int width, int height )
+{
+    RfImage image = cli_read_exr( name );
+    assert_int_equal( image.width, width );
+    assert_int_equal( image.height, height );
+    rf_destroy_image( &image );
+}
+
+float* cli_read_channel( const char* name, const char* channel, RfExrWindow* window )
+{
+    float* values;
+    RfExrWindow own;
+    RfError error = { 0 };
+    if ( rf_read_exr_channels( cli_path( name ), &channel, 1, window != NULL ? window : &own, &values, &error ) == RF_OK )
+        return values;
+    if ( strstr( error.text, channel ) == NULL )
+        fail_msg( "%s", error.text );
+    return NULL;
+}
+
+const char* cli_exr_text( const char* name, const char* key )
+{
+    static char s_text[8192];
+    return rf_read_exr_string( cli_path( name ), key, s_text, sizeof s_text, NULL ) == RF_OK ? s_text : NULL;
+}
+
+void cli_expect_exr_text( const char* name, const char* key, const char* wanted )
+{
+    const char* text = cli_exr_text( name, key );
+    if ( text != NULL && wanted != NULL ? strcmp( text, wanted ) != 0 : text != wanted )
+        fail_msg( "%s: %s is '%s', not '%s'", name, key, text != NULL ? text : "", wanted != NULL ? wanted : "" );
+}
+
+void cli_expect_exr_texts( const char* name, const char* const ( *wanted )[2], size_t count )
+{
+    for ( size_t i = 0; i < count; ++i )
+        cli_expect_exr_text( name, wanted[i][0], wanted[i][1] );
+}
+
 int cli_count_files( const char* suffix, const char* subfolder )
 {
-    char path[512];
-    path_of( subfolder, path, sizeof path );
-    DIR* folder = opendir( path );
+    DIR* folder = opendir( cli_path( subfolder ) );
     if ( folder == NULL )
         return 0;
     int count = 0;

@@ -2,6 +2,9 @@
 #ifndef REFRAME_TESTS_CLI_RUN_H
 #define REFRAME_TESTS_CLI_RUN_H
 
+#include "image/exr.h"
+#include "reframe/image.h"
+
 #include <jansson.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -18,6 +21,8 @@ typedef struct CliResult
 void cli_enter( void );
 void cli_leave( void );
 const char* cli_folder( void );
+// The path of a file in it, or what is an absolute path, good until the 32nd call after.
+const char* cli_path( const char* name );
 
 // The same as set-up and tear-down of a group of tests.
 int cli_enter_group( void** state );
@@ -38,6 +43,14 @@ bool cli_exists( const char* name );
 void cli_write( const char* name, const void* bytes, size_t size );
 char* cli_read( const char* name, size_t* size ); // to be freed
 json_t* cli_read_json( const char* name );        // to be released
+RfImage cli_read_exr( const char* name );         // its colours, to be destroyed
+void cli_expect_size( const char* name, int width, int height );
+// A channel, to be freed; NULL where the file has none of this name.
+float* cli_read_channel( const char* name, const char* channel, RfExrWindow* window );
+// A text of its header, valid until the next call; NULL where there is none.
+const char* cli_exr_text( const char* name, const char* key );
+void cli_expect_exr_text( const char* name, const char* key, const char* wanted );
+void cli_expect_exr_texts( const char* name, const char* const ( *wanted )[2], size_t count );
 int cli_count_files( const char* suffix, const char* subfolder );
 
 // Fails the test with all that was said unless status is as wanted and `part`

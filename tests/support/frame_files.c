@@ -4,11 +4,6 @@
 #include "support/cli_run.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 RfFlickerFrame make_frame( int number )
 {
     RfFlickerFrame frame = { .number = number, .is_finite = true };
@@ -76,13 +71,6 @@ void check_near( double value, double wanted, double tolerance )
 
 // ---- page checks ----
 
-const char* page_path( const char* name )
-{
-    static char path[1024];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return path;
-}
-
 void page_write_frame( const char* name, int width, int height, float value, const RfExrString* strings, int count )
 {
     RfImage image;
@@ -94,7 +82,7 @@ void page_write_frame( const char* name, int width, int height, float value, con
     options.half = false;
     options.strings = strings;
     options.string_count = count;
-    if ( rf_write_exr( page_path( name ), &image, &options, &error ) != RF_OK )
+    if ( rf_write_exr( cli_path( name ), &image, &options, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     rf_destroy_image( &image );
 }

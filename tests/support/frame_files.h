@@ -37,7 +37,7 @@ void check_near( double value, double wanted, double tolerance );
 
 // Frames for the page of `report`, and what it then holds. In the folder of cli_run.
 
-const char* page_path( const char* name ); // of a file; valid until the next call
+const char* cli_path( const char* name ); // of a file; valid until the next call
 void page_make_folder( const char* name );
 
 // A frame of one value, with attributes.

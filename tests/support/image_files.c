@@ -6,10 +6,7 @@
 
 #include <openexr.h>
 #include <png.h>
-#include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include <jpeglib.h> // which needs stdio.h

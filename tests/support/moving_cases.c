@@ -3,11 +3,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define BLOCK 4
 #define REFERENCE_SPP 48
 

@@ -3,10 +3,6 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 // Memory of results, as a list.
 typedef struct Held
 {
@@ -77,28 +73,33 @@ typedef struct Take
 {
     Stage* stage;
     RfFrameResult* results;
-    int count, first; // frame
+    int first; // frame
 } Take;
+
+RfFrameResult hold_result( Stage* stage, const RfFrameResult* result )
+{
+    size_t bytes = (size_t)result->width * (size_t)result->height * sizeof( float );
+    RfFrameResult kept = *result;
+    kept.rgb = hold_copy( stage, result->rgb, 3 * bytes );
+    kept.weight = hold_copy( stage, result->weight, bytes );
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+        kept.aovs[a] = hold_copy( stage, result->aovs[a], (size_t)rf_aov_channels( (RfAov)a ) * bytes );
+    RfLayer* layers = hold_copy( stage, result->layers, (size_t)result->layer_count * sizeof *layers );
+    for ( int k = 0; k < result->layer_count; ++k )
+    {
+        layers[k].name = hold_copy( stage, layers[k].name, strlen( layers[k].name ) + 1 );
+        layers[k].letters = hold_copy( stage, layers[k].letters, strlen( layers[k].letters ) + 1 );
+        layers[k].values = hold_copy( stage, layers[k].values, strlen( layers[k].letters ) * bytes );
+    }
+    kept.layers = layers;
+    return kept;
+}
 
 static RfResult keep_result( void* user, const RfFrameResult* result, RfError* error )
 {
     (void)error;
     Take* take = user;
-    size_t bytes = (size_t)result->width * (size_t)result->height * sizeof( float );
-    RfFrameResult* kept = take->results + take->count++;
-    *kept = *result;
-    kept->rgb = hold_copy( take->stage, result->rgb, 3 * bytes );
-    kept->weight = hold_copy( take->stage, result->weight, bytes );
-    for ( int a = 0; a < RF_AOV_COUNT; ++a )
-        kept->aovs[a] = hold_copy( take->stage, result->aovs[a], (size_t)rf_aov_channels( (RfAov)a ) * bytes );
-    RfLayer* layers = hold_copy( take->stage, result->layers, (size_t)result->layer_count * sizeof *layers );
-    for ( int k = 0; k < result->layer_count; ++k )
-    {
-        layers[k].name = hold_copy( take->stage, layers[k].name, strlen( layers[k].name ) + 1 );
-        layers[k].letters = hold_copy( take->stage, layers[k].letters, strlen( layers[k].letters ) + 1 );
-        layers[k].values = hold_copy( take->stage, layers[k].values, strlen( layers[k].letters ) * bytes );
-    }
-    kept->layers = layers;
+    take->results[take->stage->handed_over++] = hold_result( take->stage, result );
     return RF_OK;
 }
 
@@ -108,25 +109,42 @@ static void count_preview( void* user, const RfPreview* preview )
     take->stage->previews += preview->frame == take->first && preview->rgb != NULL;
 }
 
-const RfFrameResult* render_shot( Stage* stage, const RfShot* shot, const RfRenderSettings* settings )
+static RfResult try_shot( Stage* stage, const RfShot* shot, const RfRenderSettings* settings, RfFrameResult** results,
+                          RfError* error )
 {
     Take take = { .stage = stage, .first = shot->frames[0] };
-    take.results = hold( stage, (size_t)shot->frame_count * sizeof *take.results );
-    stage->previews = 0;
+    take.results = *results = hold( stage, (size_t)shot->frame_count * sizeof *take.results );
+    stage->previews = stage->handed_over = 0;
     RfRenderCallbacks callbacks = { .user = &take, .frame = keep_result, .preview = count_preview };
-    RfError error = { 0 };
-    if ( rf_render( shot, settings, &callbacks, &stage->stats, &error ) != RF_OK )
-        fail_msg( "%s", error.text );
-    assert_int_equal( take.count, shot->frame_count );
-    return take.results;
+    return rf_render( shot, settings, &callbacks, &stage->stats, error );
 }
+
+const RfFrameResult* render_shot( Stage* stage, const RfShot* shot, const RfRenderSettings* settings )
+{
+    RfError error = { 0 };
+    RfFrameResult* results;
+    if ( try_shot( stage, shot, settings, &results, &error ) != RF_OK )
+        fail_msg( "%s", error.text );
+    assert_int_equal( stage->handed_over, shot->frame_count );
+    return results;
+}
+
+RfShot stage_shot( Stage* stage, const int* frames, int frame_count )
+{
+    return ( RfShot ){ stage_tracer( stage ), stage->eyes, stage->eye_count, frames, frame_count };
+}
+
+static const int s_frames[STAGE_EYES] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15 };
 
 const RfFrameResult* render_some( Stage* stage, int first, int count, const RfRenderSettings* settings )
 {
-    int frames[STAGE_EYES];
-    for ( int i = 0; i < count && i < STAGE_EYES; ++i )
-        frames[i] = first + i;
-    return render_shot( stage, &( RfShot ){ stage_tracer( stage ), stage->eyes, stage->eye_count, frames, count }, settings );
+    RfShot shot = stage_shot( stage, s_frames + first, count );
+    return render_shot( stage, &shot, settings );
+}
+
+const RfFrameResult* render_stage( Stage* stage, const RfRenderSettings* settings )
+{
+    return render_some( stage, 0, stage->eye_count, settings );
 }
 
 const RfFrameResult* render_one( Stage* stage, int frame, const RfRenderSettings* settings )
@@ -134,14 +152,28 @@ const RfFrameResult* render_one( Stage* stage, int frame, const RfRenderSettings
     return render_some( stage, frame, 1, settings );
 }
 
+static void expect_words( const RfError* error, const char* words )
+{
+    if ( strstr( error->text, words ) == NULL || strchr( error->text, '\n' ) != NULL )
+        fail_msg( "'%s' has no '%s', or several lines", error->text, words );
+}
+
+void expect_failure( Stage* stage, const RfRenderSettings* settings, RfResult wanted, const char* words )
+{
+    RfError error = { 0 };
+    RfFrameResult* results;
+    RfShot shot = stage_shot( stage, s_frames, stage->eye_count );
+    assert_int_equal( try_shot( stage, &shot, settings, &results, &error ), wanted );
+    expect_words( &error, words );
+}
+
 void expect_refused( Stage* stage, const RfRenderSettings* settings, const char* words )
 {
-    const int frame = 0;
     RfError error = { 0 };
-    RfShot shot = { stage_tracer( stage ), stage->eyes, stage->eye_count, &frame, 1 };
+    RfShot shot = stage_shot( stage, s_frames, 1 );
     assert_int_equal( rf_render( &shot, settings, NULL, NULL, &error ), words != NULL ? RF_ERROR_USAGE : RF_OK );
-    if ( words != NULL && strstr( error.text, words ) == NULL )
-        fail_msg( "'%s' has no '%s'", error.text, words );
+    if ( words != NULL )
+        expect_words( &error, words );
 }
 
 size_t least_memory( Stage* stage, int first, int count, const RfRenderSettings* settings )
@@ -149,10 +181,7 @@ size_t least_memory( Stage* stage, int first, int count, const RfRenderSettings*
     RfRenderSettings resolved;
     RfMemoryFit fit;
     RfError error = { 0 };
-    int frames[STAGE_EYES];
-    for ( int i = 0; i < count; ++i )
-        frames[i] = first + i;
-    RfShot shot = { stage_tracer( stage ), stage->eyes, stage->eye_count, frames, count };
+    RfShot shot = stage_shot( stage, s_frames + first, count );
     assert_int_equal( rf_resolve_settings( &shot, settings, &resolved, &error ), RF_OK );
     resolved.memory = 1;
     assert_int_equal( rf_fit_memory( &shot, &resolved, &fit, &error ), RF_ERROR_MEMORY );

@@ -22,6 +22,7 @@ typedef struct Stage
     RfEye eyes[STAGE_EYES];
     int eye_count;
     RfRenderStats stats; // of the last render
+    int handed_over;     // frames that it did
     int previews;        // that it showed of the first frame asked for
     struct Held* held;
 } Stage;
@@ -43,9 +44,19 @@ void close_stage( Stage* stage );
 const RfFrameResult* render_one( Stage* stage, int frame, const RfRenderSettings* settings );
 const RfFrameResult* render_some( Stage* stage, int first, int count, const RfRenderSettings* settings );
 const RfFrameResult* render_shot( Stage* stage, const RfShot* shot, const RfRenderSettings* settings );
+const RfFrameResult* render_stage( Stage* stage, const RfRenderSettings* settings ); // all frames
+
+// A shot of all eyes of the stage.
+RfShot stage_shot( Stage* stage, const int* frames, int frame_count );
+
+// Fails the test unless a render of all frames ends with this error, and words.
+void expect_failure( Stage* stage, const RfRenderSettings* settings, RfResult wanted, const char* words );
 
 // Fails the test unless a render of frame 0 is RF_ERROR_USAGE with these words; NULL: unless it succeeds.
 void expect_refused( Stage* stage, const RfRenderSettings* settings, const char* words );
+
+// A copy of a result, valid until the stage is closed.
+RfFrameResult hold_result( Stage* stage, const RfFrameResult* result );
 
 // The smallest budget of frames from `first` on, by which each has a sweep of its own.
 size_t least_memory( Stage* stage, int first, int count, const RfRenderSettings* settings );

@@ -5,11 +5,6 @@
 #include "support/statistics.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define MOST_FRAMES 64
 
 static void* must_alloc( size_t bytes )

@@ -6,11 +6,6 @@
 #include "support/image_files.h"
 #include "support/test.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 GltfFolder make_folder( void )
@@ -341,9 +336,7 @@ void write_room( const char* extras )
 
 RfResult load_named( const char* name, RfScene* scene, RfError* error )
 {
-    char path[256];
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    return rf_load_scene( path, scene, NULL, error );
+    return rf_load_scene( cli_path( name ), scene, NULL, error );
 }
 
 RfResult try_members( const char* members, RfScene* scene, RfError* error )
@@ -436,12 +429,10 @@ void convert_assert_point( const float* p, double x, double y, double z )
 
 RfScene convert_load( const char* name )
 {
-    char path[256];
     RfScene scene;
     RfLog log = { 0 };
     RfError error;
-    snprintf( path, sizeof path, "%s/%s", cli_folder(), name );
-    if ( rf_load_gltf( path, &scene, &log, &error ) != RF_OK )
+    if ( rf_load_gltf( cli_path( name ), &scene, &log, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return scene;
 }

@@ -2,9 +2,6 @@
 
 #include "support/statistics.h"
 
-#include <stdbool.h>
-#include <stdlib.h>
-
 #define MOST_TESTS 64
 
 static struct CMUnitTest s_tests[MOST_TESTS];

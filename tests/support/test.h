@@ -1,4 +1,5 @@
-// cmocka with all that it wants included, and tests that list themselves: a test program is its tests, and has no main().
+// cmocka, with the parts of the C library that nearly every test calls, and tests that list themselves: a test program is its tests, and
+// has no main().
 //
 //     TEST( test_something )
 //     {
@@ -10,12 +11,19 @@
 #ifndef REFRAME_TESTS_TEST_H
 #define REFRAME_TESTS_TEST_H
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include <cmocka.h>
+
+#include "support/owned.h"
 
 #define TEST( name ) TEST_WITHIN( name, NULL, NULL )
 

@@ -6,11 +6,7 @@
 #include "support/statistics.h"
 #include "trace/trace.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define REFERENCE_SEED 1000003 // far from the seeds of the renders
 

@@ -4,9 +4,6 @@
 #include "scene/scene.h"
 #include "trace/boxes.h"
 
-#include <math.h>
-#include <stdint.h>
-
 #define BLOCKS 200
 
 static float number( uint32_t dimension, int i )

@@ -6,9 +6,6 @@
 #include "support/test.h"
 #include "trace/trace.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 static const char* const s_kinds[] = { NULL, "avx2", "sse4.2" };
 #define KINDS (int)( sizeof s_kinds / sizeof *s_kinds )
 
@@ -34,13 +31,13 @@ static void draw_points( float point[3][COUNT] )
 
 TEST( test_lanes_without_weight_are_left_alone )
 {
-    RfScene scene = make_pane_room( PANES_AND_LAMP );
+    AUTO_SCENE scene = make_pane_room( PANES_AND_LAMP );
     static float point[3][COUNT], weight[COUNT], probability[COUNT], colour[3][COUNT];
     draw_points( point );
     const float* points[3] = { point[0], point[1], point[2] };
     for ( int kind = 0; kind < KINDS; ++kind )
     {
-        RfTracer* tracer = make_tracer_of_kind( &scene, kind );
+        AUTO_TRACER tracer = make_tracer_of_kind( &scene, kind );
         for ( int i = 0; i < COUNT; ++i )
             weight[i] = i % 3 == 0 ? 1.0f : 0.0f;
         RfPaneLanes panes = { .probability = probability, .weight = { colour[0], colour[1], colour[2] } };
@@ -55,14 +52,12 @@ TEST( test_lanes_without_weight_are_left_alone )
         }
         assert_int_equal( traced, ( COUNT + 2 ) / 3 );
         assert_true( passed > COUNT / 12 ); // else there were no panes to find
-        rf_destroy_tracer( tracer );
     }
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_kinds_of_processors_agree )
 {
-    RfScene scene = make_pane_room( PANES_AND_LAMP );
+    AUTO_SCENE scene = make_pane_room( PANES_AND_LAMP );
     static float point[3][COUNT], way[3][COUNT], visible[KINDS][COUNT], probability[KINDS][COUNT], colour[KINDS][3][COUNT];
     draw_points( point );
     for ( int c = 0; c < 3; ++c )
@@ -73,10 +68,9 @@ TEST( test_kinds_of_processors_agree )
     const float *from[3] = { point[0], point[1], point[2] }, *ways[3] = { way[0], way[1], way[2] };
     for ( int kind = 0; kind < KINDS; ++kind )
     {
-        RfTracer* tracer = make_tracer_of_kind( &scene, kind );
+        AUTO_TRACER tracer = make_tracer_of_kind( &scene, kind );
         RfPaneLanes panes = { .probability = probability[kind], .weight = { colour[kind][0], colour[kind][1], colour[kind][2] } };
         rf_trace_segments_past_panes( tracer, COUNT, from, ways, visible[kind], &panes );
-        rf_destroy_tracer( tracer );
         for ( int i = 0; i < COUNT; ++i )
         {
             assert_true( visible[kind][i] == visible[0][i] );
@@ -87,5 +81,4 @@ TEST( test_kinds_of_processors_agree )
                 assert_true( fabsf( colour[kind][c][i] / colour[0][c][i] - 1.0f ) < 1e-3f );
         }
     }
-    rf_destroy_scene( &scene );
 }

@@ -7,9 +7,6 @@
 #include "base/random.h"
 #include "trace/trace.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 #define RAYS 4096
 
 typedef struct Ground
@@ -74,8 +71,8 @@ static float segment( const RfTracer* tracer, RfVec3 from, RfVec3 to )
 static void check_ground( float reach, float tilt, float scale )
 {
     Ground g = { reach, tilt, scale };
-    RfScene scene = make_ground( &g );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_ground( &g );
+    AUTO_TRACER tracer = make_tracer( &scene );
     int hits = 0, hidden = 0, leaks = 0, lifted = 0;
     for ( int i = 0; i < RAYS; ++i )
     {
@@ -109,8 +106,6 @@ static void check_ground( float reach, float tilt, float scale )
     assert_int_equal( hidden, 0 );
     assert_int_equal( leaks, 0 );
     assert_int_equal( lifted, 0 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_no_ground_hides_its_lamps_or_leaks )
@@ -138,21 +133,18 @@ static void check_box( float scale, float far )
     // below the box: where two surfaces touch, the rounding of coordinates decides
     add_quad( &b, grey, rf_vec3( -reach, -1.5f * scale, reach ), rf_vec3( reach, -1.5f * scale, reach ),
               rf_vec3( reach, -1.5f * scale, -reach ), rf_vec3( -reach, -1.5f * scale, -reach ) );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     RfVec3 from = rf_madd( at, rf_vec3( 2.0f, 2.5f, 3.5f ), scale );
     RfEye eye = rf_make_eye( from, rf_sub( at, from ), rf_vec3( 0, 1, 0 ), 0.8, 48, 32 );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfRenderSettings settings = plain_settings();
     settings.spp = 16;
-    Rendered r = render_all( tracer, &eye, 1, &settings );
+    AUTO_BY( free_rendered ) Rendered r = render_all( tracer, &eye, 1, &settings );
     int lit = 0;
     for ( size_t i = 0; i < 3 * r.pixels; ++i )
         lit += r.rgb[i] != 0.0f;
     printf( "box of %g m at %g: %d values are not black\n", (double)scale, (double)( far * scale ), lit );
     assert_int_equal( lit, 0 );
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_no_light_leaves_a_closed_box )
@@ -168,7 +160,7 @@ TEST( test_no_light_leaves_a_closed_box )
 // A lamp that is so bright and near that its radiance, with the factor of a delta, would not be a float.
 static double mean_under_lamp( float scale, float intensity )
 {
-    RfScene scene = make_room( ROOM_GGX );
+    AUTO_SCENE scene = make_room( ROOM_GGX );
     for ( uint32_t i = 0; i < 3 * scene.triangles.vertex_count; ++i )
         scene.triangles.positions[i] *= scale;
     scene.bounds_min = rf_scale( scene.bounds_min, scale );
@@ -181,16 +173,13 @@ static double mean_under_lamp( float scale, float intensity )
     RfEye eye;
     orbit_eyes( &eye, 1, 3.0f, 24, 18 );
     eye.origin = rf_scale( eye.origin, scale );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfRenderSettings settings = plain_settings();
     settings.spp = 16;
-    Rendered r = render_all( tracer, &eye, 1, &settings );
+    AUTO_BY( free_rendered ) Rendered r = render_all( tracer, &eye, 1, &settings );
     double sum = 0.0;
     for ( size_t i = 0; i < 3 * r.pixels; ++i )
         sum += (double)r.rgb[i];
-    free_rendered( &r );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
     return sum;
 }
 

@@ -9,11 +9,6 @@
 #include "support/test.h"
 #include "trace/trace.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define RAYS 800
 #define TIMES 12
 
@@ -50,8 +45,8 @@ static Truth find_truth( const RfScene* scene, const RfEye* eye, double moment )
 {
     double scaled = moment * (double)eye->blur_steps, first = fmin( floor( scaled ), (double)( eye->blur_steps - 1 ) );
     double part = scaled - first;
-    RfPosedScene a = gltf_pose_at( scene, rf_moment_time( eye, (int)first ) ),
-                 b = gltf_pose_at( scene, rf_moment_time( eye, (int)first + 1 ) );
+    AUTO_POSE a = gltf_pose_at( scene, rf_moment_time( eye, (int)first ) ),
+              b = gltf_pose_at( scene, rf_moment_time( eye, (int)first + 1 ) );
     Truth truth = { .count = rf_triangle_count( scene ), .moving = scene->placements[scene->still_placement_count].first };
     truth.corners = calloc( 3 * (size_t)truth.count, sizeof *truth.corners );
     truth.shown = calloc( truth.count, sizeof *truth.shown );
@@ -66,8 +61,6 @@ static Truth find_truth( const RfScene* scene, const RfEye* eye, double moment )
                 truth.corners[3 * i + (uint32_t)k].x[c] = p.x[c] + part * ( q.x[c] - p.x[c] );
         }
     }
-    rf_destroy_pose( &a );
-    rf_destroy_pose( &b );
     return truth;
 }
 
@@ -222,12 +215,12 @@ static void check_room( const char* name, int steps )
         FRAMES = 2
     };
     MovingRoom room = load_moving_room( name, 16, 16 );
-    RfTracer* tracer = make_tracer( &room.scene );
-    RfWorlds worlds;
+    AUTO_TRACER tracer = make_tracer( &room.scene );
+    AUTO_BY( rf_destroy_worlds ) RfWorlds worlds;
     RfError error;
     Found found = { 0 };
     int ghosts = 0;
-    void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
+    AUTO_FREE void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
     open_eyes( room.eyes, FRAMES, steps );
     assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, room.eyes, FRAMES, NULL, 0 }, FRAMES, false, &worlds, &error ),
                       RF_OK );
@@ -255,10 +248,7 @@ static void check_room( const char* name, int steps )
     assert_true( found.distance < 2e-5 );
     assert_true( found.point < 2e-6 );
     assert_true( found.normal < 1e-6 );
-    rf_destroy_worlds( &worlds );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &room.scene );
-    free( memory );
 }
 
 TEST( test_hits_between_moments )
@@ -383,11 +373,10 @@ static RfCameraPath path_of( const RfScene* scene, const char* text, int steps )
     RfLens lens = { .has_shutter = true, .shutter = { -0.5, 0.5 }, .blur_steps = steps };
     RfCameraPath path;
     RfError error;
-    char file[512];
     write_text( "path.json", text );
-    snprintf( file, sizeof file, "%s/path.json", cli_folder() );
-    if ( rf_create_camera_path( scene, &( RfPathOptions ){ .camera = file, .lens = &lens, .width = 8, .height = 8 }, &path,
-                                &error ) != RF_OK )
+    if ( rf_create_camera_path( scene,
+                                &( RfPathOptions ){ .camera = cli_path( "path.json" ), .lens = &lens, .width = 8, .height = 8 },
+                                &path, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return path;
 }

@@ -6,9 +6,6 @@
 
 #include "trace/trace.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 static const RfVec3 s_tint[2] = { { 0.9f, 0.5f, 0.2f }, { 1, 1, 1 } };
 
 // Two panes at z = 0 and −1, the first half there if it is blended, before a wall at z = −2.
@@ -90,8 +87,8 @@ TEST( test_segments_have_the_closed_forms )
 {
     for ( int blended = 0; blended < 2; ++blended )
     {
-        RfScene scene = make_panes( blended == 1 );
-        RfTracer* tracer = make_tracer( &scene );
+        AUTO_SCENE scene = make_panes( blended == 1 );
+        AUTO_TRACER tracer = make_tracer( &scene );
         double hole = blended == 1 ? 0.5 : 0.0;
         assert_true( rf_tracer_has_panes( tracer ) );
         RfVec3 before = rf_vec3( 0.2f, 0.1f, 1 );
@@ -100,8 +97,6 @@ TEST( test_segments_have_the_closed_forms )
         check_segment( tracer, before, rf_vec3( 1.5f, -1.4f, -1.5f ), 0, 2, hole );
         check_segment( tracer, rf_vec3( -3, 0, -0.9f ), rf_vec3( 3, 0.5f, -1.1f ), 1, 2, hole );
         assert_true( pass( tracer, before, rf_vec3( 0.2f, 0.1f, -2.5f ) ).visible == 0.0f ); // the wall
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -116,8 +111,8 @@ TEST( test_rays_pass_with_their_probability )
     static uint32_t triangle[RAYS];
     for ( int blended = 0; blended < 2; ++blended )
     {
-        RfScene scene = make_panes( blended == 1 );
-        RfTracer* tracer = make_tracer( &scene );
+        AUTO_SCENE scene = make_panes( blended == 1 );
+        AUTO_TRACER tracer = make_tracer( &scene );
         RfVec3 way = rf_normalize( rf_vec3( 0.9f, 0.3f, -0.5f ) );
         for ( int i = 0; i < RAYS; ++i ) // none through the diagonal of a pane, where it meets both triangles
         {
@@ -155,16 +150,14 @@ TEST( test_rays_pass_with_their_probability )
             double sigma = sqrt( RAYS * share[k] * ( 1.0 - share[k] ) );
             assert_true( fabs( found[k] - RAYS * share[k] ) < 4.0 * sigma );
         }
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
 }
 
 // To the other queries panes are surfaces like any others, and from an origin they can be passed as well.
 TEST( test_panes_stop_the_plain_queries )
 {
-    RfScene scene = make_panes( false );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_panes( false );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfVec3 from = rf_vec3( 0, 0, 1 ), way = rf_vec3( 0, 0, -1 );
     const float* o[3] = { &from.x, &from.y, &from.z };
     const float* d[3] = { &way.x, &way.y, &way.z };
@@ -187,6 +180,4 @@ TEST( test_panes_stop_the_plain_queries )
     assert_close( (double)probability[0], (double)same.probability, 1e-6 );
     assert_close( (double)colour[1][0], (double)same.weight[1], 1e-6 );
     assert_true( probability[1] == 1.0f && colour[2][1] == 1.0f );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }

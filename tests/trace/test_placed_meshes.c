@@ -8,11 +8,6 @@
 #include "scene/placement.h"
 #include "trace/trace.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define RAYS 20000
 
 static float number( uint32_t dimension, int i )
@@ -190,7 +185,7 @@ static void check_offsets( PlacedKind kind, float far, float reach )
 {
     SceneBuilder b = { 0 };
     add_sphere( &b, add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) ), rf_vec3( reach, 0.3f * reach, 0 ), 1.0f, 24 );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     int mesh = take_mesh( &scene ), hits = 0, hidden = 0, leaks = 0;
     RfMat4 matrix[8];
     for ( int k = 0; k < 8; ++k )
@@ -203,7 +198,7 @@ static void check_offsets( PlacedKind kind, float far, float reach )
         add_placement( &scene, mesh, matrix[k] );
     }
     assert_int_equal( rf_finish_placements( &scene, NULL ), RF_OK );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     for ( int i = 0; i < RAYS; ++i )
     {
         const RfMat4* m = matrix + i % 8;
@@ -233,8 +228,6 @@ static void check_offsets( PlacedKind kind, float far, float reach )
     assert_true( hits > RAYS * 9 / 10 );
     assert_int_equal( hidden, 0 );
     assert_true( leaks <= hits / 1000 ); // at edges
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_nothing_placed_shades_itself )
@@ -255,23 +248,22 @@ TEST( test_far_ground_is_placed )
     uint32_t grey = add_material( &b, make_lambert( 0.5f, 0.5f, 0.5f ) );
     add_quad( &b, grey, rf_vec3( -1e4f, 0, 1e4f ), rf_vec3( 1e4f, 0, 1e4f ), rf_vec3( 1e4f, 0, -1e4f ),
               rf_vec3( -1e4f, 0, -1e4f ) );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     int ground = take_mesh( &scene ), hits = 0, hidden = 0;
     SceneBuilder box = { 0 };
     add_material( &box, make_lambert( 0.5f, 0.5f, 0.5f ) );
     for ( int k = 0; k < 8; ++k )
         add_box( &box, 0, rf_vec3( 9, 3, (float)k ), rf_vec3( 9.5f, 3.5f, (float)k + 0.5f ), false );
-    RfScene boxes = finish_scene( &box );
+    AUTO_SCENE boxes = finish_scene( &box );
     scene.triangles = boxes.triangles;
     scene.bounds_min = boxes.bounds_min;
     scene.bounds_max = boxes.bounds_max;
     boxes.triangles = ( RfTriangles ){ 0 };
-    rf_destroy_scene( &boxes );
     double q[4] = { sin( 0.15 ), 0.3 * sin( 0.15 ), 0, 0 }, t[3] = { 0.1, 0.2, 0.3 }, s[3] = { 2, 1, -1.5 };
     q[3] = sqrt( 1.0 - q[0] * q[0] - q[1] * q[1] );
     add_placement( &scene, ground, rf_mat4_from_trs( t, q, s ) );
     assert_int_equal( rf_finish_placements( &scene, NULL ), RF_OK );
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfMat4 m = scene.placements[0].matrix;
     for ( int i = 0; i < RAYS; ++i )
     {
@@ -289,8 +281,6 @@ TEST( test_far_ground_is_placed )
     }
     printf( "far ground: %d hits, %d hide their lamp\n", hits, hidden );
     assert_int_equal( hidden, 0 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 // Where rounding in the world joins corners that are apart in the mesh's space, in which rays still meet the triangle.
@@ -298,7 +288,7 @@ TEST( test_normals_far_out )
 {
     for ( int kind = 0; kind < PLACED_KIND_COUNT; ++kind )
     {
-        RfScene scene = make_textured_room();
+        AUTO_SCENE scene = make_textured_room();
         RfError error;
         place_scene( &scene, (PlacedKind)kind, 5, true );
         for ( int i = 0; i < scene.placement_count; ++i )
@@ -307,7 +297,7 @@ TEST( test_normals_far_out )
                 scene.placements[i].matrix.m[k] += 1e9;
         }
         assert_int_equal( rf_finish_placements( &scene, &error ), RF_OK );
-        RfTracer* tracer = make_tracer( &scene );
+        AUTO_TRACER tracer = make_tracer( &scene );
         int joined = 0;
         for ( uint32_t t = scene.triangles.count; t < rf_triangle_count( &scene ); ++t )
         {
@@ -317,8 +307,6 @@ TEST( test_normals_far_out )
             assert_float_equal( rf_length( r->ng ), 1.0f, 1e-5f );
         }
         assert_true( joined > 0 );
-        rf_destroy_tracer( tracer );
-        rf_destroy_scene( &scene );
     }
 }
 
@@ -371,7 +359,7 @@ TEST( test_too_many_triangles_are_refused )
 {
     SceneBuilder b = { 0 };
     add_box( &b, add_material( &b, make_lambert( 1, 1, 1 ) ), rf_vec3( 0, 0, 0 ), rf_vec3( 1, 1, 1 ), false );
-    RfScene scene = finish_scene( &b );
+    AUTO_SCENE scene = finish_scene( &b );
     int mesh = take_mesh( &scene );
     for ( int k = 0; k < 3; ++k )
         add_placement( &scene, mesh, rf_mat4_identity() );
@@ -384,5 +372,4 @@ TEST( test_too_many_triangles_are_refused )
     assert_non_null( strstr( error.text, "more than 4294967294 triangles" ) );
     assert_null( strchr( error.text, '\n' ) );
     scene.meshes[mesh].triangles.count = count;
-    rf_destroy_scene( &scene );
 }

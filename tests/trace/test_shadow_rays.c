@@ -8,10 +8,6 @@
 #include "support/test.h"
 #include "trace/occluders.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define MOST 1024
 #define CALLS 60
 
@@ -118,9 +114,8 @@ static double compare_room( const RfTracer* tracer, const RfScene* scene, bool p
 
 static double compare_scene( RfScene scene, bool panes )
 {
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_TRACER tracer = make_tracer( &scene );
     double blocked = compare_room( tracer, &scene, panes );
-    rf_destroy_tracer( tracer );
     rf_destroy_scene( &scene );
     return blocked;
 }
@@ -171,8 +166,8 @@ static void draw_narrow( const RfScene* scene, int call, int i, Segments* s )
 TEST( test_occluders_leave_what_is_near_their_edges )
 {
     static Segments s;
-    RfScene scene = make_plates();
-    RfTracer* tracer = make_tracer( &scene );
+    AUTO_SCENE scene = make_plates();
+    AUTO_TRACER tracer = make_tracer( &scene );
     RfOccluders occluders = { .of = NULL };
     int all = 0, left = 0;
     for ( int call = 0; call < 2 * CALLS; ++call )
@@ -184,8 +179,6 @@ TEST( test_occluders_leave_what_is_near_their_edges )
         all += s.count;
     }
     assert_true( left < all - all / 20 );
-    rf_destroy_tracer( tracer );
-    rf_destroy_scene( &scene );
 }
 
 TEST( test_occluders_change_no_shadow_ray_where_something_moves )
@@ -194,10 +187,10 @@ TEST( test_occluders_change_no_shadow_ray_where_something_moves )
     for ( size_t k = 0; k < sizeof rooms / sizeof *rooms; ++k )
     {
         MovingRoom room = load_moving_room( rooms[k], 16, 16 );
-        RfTracer* tracer = make_tracer( &room.scene );
-        RfWorlds worlds;
+        AUTO_TRACER tracer = make_tracer( &room.scene );
+        AUTO_BY( rf_destroy_worlds ) RfWorlds worlds;
         RfError error;
-        void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
+        AUTO_FREE void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
         for ( int i = 0; i < 2; ++i )
         {
             room.eyes[i].opens = 0.01 + 0.06 * i;
@@ -217,10 +210,7 @@ TEST( test_occluders_change_no_shadow_ray_where_something_moves )
             draw_segments( &room.scene, call, &s );
             compare( at, &occluders, &s, false );
         }
-        rf_destroy_worlds( &worlds );
-        rf_destroy_tracer( tracer );
         rf_destroy_scene( &room.scene );
-        free( memory );
     }
 }
 
@@ -264,10 +254,9 @@ TEST( test_packets_from_an_origin_find_the_same )
                          make_blended_room(), make_textured_room() };
     for ( size_t k = 0; k < sizeof scenes / sizeof *scenes; ++k )
     {
-        RfTracer* tracer = make_tracer( scenes + k );
+        AUTO_TRACER tracer = make_tracer( scenes + k );
         compare_origin( tracer, scenes + k, false );
         compare_origin( tracer, scenes + k, true );
-        rf_destroy_tracer( tracer );
         rf_destroy_scene( scenes + k );
     }
 }

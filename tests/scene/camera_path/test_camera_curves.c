@@ -6,10 +6,6 @@
 #include "math/quat.h"
 #include "scene/camera_path/curve.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <string.h>
-
 #define PI 3.14159265358979323846
 
 // Uneven in time and space, with a turn back and a stop.
@@ -35,7 +31,7 @@ TEST( test_curves_meet_their_keys )
 {
     for ( int linear = 0; linear < 2; ++linear )
     {
-        RfCurve curve = make( RF_CURVE_POINT, linear == 1, COUNT, s_times, s_points );
+        AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_POINT, linear == 1, COUNT, s_times, s_points );
         double got[3];
         for ( int i = 0; i < COUNT; ++i )
         {
@@ -51,7 +47,6 @@ TEST( test_curves_meet_their_keys )
         assert_three( got, 0, 0, 5, 0 );
         rf_sample_curve( &curve, 4.5, got ); // between two equal keys
         assert_three( got, 8, -3, 1, 0 );
-        rf_destroy_curve( &curve );
     }
 }
 
@@ -59,20 +54,19 @@ TEST( test_curves_meet_their_keys )
 TEST( test_even_keys_give_catmull_rom )
 {
     static const double times[] = { 0, 1, 2, 3 }, points[] = { 0, 0, 0, 1, 1, 0, 2, 0, 0, 3, 1, 0 };
-    RfCurve curve = make( RF_CURVE_POINT, false, 4, times, points );
+    AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_POINT, false, 4, times, points );
     double got[3];
     rf_sample_curve( &curve, 1.5, got ); // ( −p0 + 9 p1 + 9 p2 − p3 ) / 16
     assert_three( got, 1.5, 0.5, 0, 1e-12 );
     rf_sample_curve( &curve, 1.25, got );
     double t = 0.25, y = 0.5 * ( 2.0 * 1 + t * ( -0.0 + 0.0 ) + t * t * ( 0 - 5 + 0 - 1 ) + t * t * t * ( 3 - 0 + 1 - 0 ) );
     assert_three( got, 1.25, y, 0, 1e-12 );
-    rf_destroy_curve( &curve );
 }
 
 // Hermite form of the same segment with the tangents of non-uniform Catmull-Rom.
 TEST( test_centripetal_shape )
 {
-    RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
+    AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
     const double *p0 = s_points, *p1 = p0 + 3, *p2 = p0 + 6, *p3 = p0 + 9;
     double k[4] = { 0, sqrt( distance( p0, p1 ) ) };
     k[2] = k[1] + sqrt( distance( p1, p2 ) );
@@ -98,7 +92,6 @@ TEST( test_centripetal_shape )
                 assert_close( derivative[i], ( ahead[i] - point[i] ) / 1e-6, 1e-3 );
         }
     }
-    rf_destroy_curve( &curve );
 }
 
 static void velocity( const RfCurve* curve, double time, double step, double v[3] )
@@ -112,7 +105,7 @@ static void velocity( const RfCurve* curve, double time, double step, double v[3
 
 TEST( test_no_jump_of_speed )
 {
-    RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
+    AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_POINT, false, COUNT, s_times, s_points );
     for ( int i = 1; i + 1 < COUNT; ++i )
     {
         double before[3], after[3], scale;
@@ -123,19 +116,17 @@ TEST( test_no_jump_of_speed )
         assert_three( after, before[0], before[1], before[2], scale );
     }
     // a straight curve has jumps there: the test can see them
-    RfCurve straight = make( RF_CURVE_POINT, true, COUNT, s_times, s_points );
+    AUTO_BY( rf_destroy_curve ) RfCurve straight = make( RF_CURVE_POINT, true, COUNT, s_times, s_points );
     double before[3], after[3];
     velocity( &straight, s_times[1], -1e-7, before );
     velocity( &straight, s_times[1], 1e-7, after );
     assert_true( distance( before, after ) > 1.0 );
-    rf_destroy_curve( &straight );
-    rf_destroy_curve( &curve );
 }
 
 TEST( test_numbers_stay_between_keys )
 {
     static const double times[] = { 0, 1, 1.1, 5 }, fov[] = { 40, 40, 20, 30 };
-    RfCurve curve = make( RF_CURVE_NUMBER, false, 4, times, fov );
+    AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_NUMBER, false, 4, times, fov );
     for ( int i = 0; i < 4; ++i )
     {
         double got;
@@ -151,7 +142,6 @@ TEST( test_numbers_stay_between_keys )
         assert_true( t < 1.1 ? got <= last + 1e-12 : t < 1.12 || got >= last - 1e-12 );
         last = got;
     }
-    rf_destroy_curve( &curve );
 }
 
 // Rotations about y by these degrees.
@@ -184,10 +174,9 @@ TEST( test_even_turns_are_even )
         q[8 + i] = -q[8 + i]; // of either sign, the same rotation
     for ( int linear = 0; linear < 2; ++linear )
     {
-        RfCurve curve = make( RF_CURVE_ROTATION, linear == 1, 4, times, q );
+        AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_ROTATION, linear == 1, 4, times, q );
         for ( double t = 0.0; t <= 3.0; t += 0.125 )
             assert_close( wrapped( yaw_at( &curve, t ) - 90.0 * t ), 0.0, 1e-9 );
-        rf_destroy_curve( &curve );
     }
 }
 
@@ -197,7 +186,7 @@ TEST( test_turning_back_does_not_jump )
     static const double times[] = { 0, 1, 1.3, 4, 5 }, degrees[] = { 0, 170, 0, -160, 15 };
     double q[20], last = 0.0, rate = 0.0;
     yaws( degrees, 5, q );
-    RfCurve curve = make( RF_CURVE_ROTATION, false, 5, times, q );
+    AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_ROTATION, false, 5, times, q );
     for ( int i = 0; i < 5; ++i )
         assert_close( wrapped( yaw_at( &curve, times[i] ) - degrees[i] ), 0.0, 1e-9 );
     for ( double t = 0.0; t <= 5.0; t += 0.001 )
@@ -208,7 +197,6 @@ TEST( test_turning_back_does_not_jump )
         rate = step;
         last = yaw;
     }
-    rf_destroy_curve( &curve );
 }
 
 // Steps of equal length of arc along a walk, and its whole length.
@@ -284,7 +272,7 @@ TEST( test_extreme_points_give_numbers )
     static const double times[] = { 0, 1e-6, 1e6 - 1, 1e6 };
     for ( size_t i = 0; i < sizeof sets / sizeof sets[0]; ++i )
     {
-        RfCurve curve = make( RF_CURVE_POINT, false, 4, times, sets[i] );
+        AUTO_BY( rf_destroy_curve ) RfCurve curve = make( RF_CURVE_POINT, false, 4, times, sets[i] );
         RfWaypoints walk;
         RfError error;
         assert_int_equal( rf_create_waypoints( false, 4, sets[i], &walk, &error ), RF_OK );
@@ -297,6 +285,5 @@ TEST( test_extreme_points_give_numbers )
                 assert_true( isfinite( a[c] ) && isfinite( b[c] ) );
         }
         rf_destroy_waypoints( &walk );
-        rf_destroy_curve( &curve );
     }
 }

@@ -6,12 +6,6 @@
 
 #include "gltf/gltf.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 #define PI 3.14159265358979323846
 #define MUTATIONS 3000
 
@@ -135,9 +129,8 @@ static RfView turned( const char* rotation )
 {
     char text[256];
     snprintf( text, sizeof text, "{\"kind\":\"keyed\",\"rotation\":%s,\"keys\":[{\"time\":0,\"position\":[0,0,0]}]}", rotation );
-    RfCamera camera = load_path( text );
+    AUTO_CAMERA camera = load_path( text );
     RfView view = view_at( &camera, 0 );
-    rf_destroy_camera( &camera );
     return view;
 }
 
@@ -187,13 +180,12 @@ TEST( test_frame_times_are_exact_multiples )
 
 static void expect_no_view( const char* text, double time, const char* part )
 {
-    RfCamera camera = load_path( text );
+    AUTO_CAMERA camera = load_path( text );
     RfView view;
     RfError error = { 0 };
     assert_int_equal( rf_sample_camera_track( camera.track, time, &view, &error ), RF_ERROR_SCENE );
     if ( strstr( error.text, part ) == NULL || strstr( error.text, "path.json: " ) == NULL )
         fail_msg( "%s", error.text );
-    rf_destroy_camera( &camera );
 }
 
 TEST( test_views_without_direction )
@@ -354,31 +346,29 @@ TEST( test_cuts_end_the_curves )
     check_cut( KEYS_OF( "linear", FIRST_SHOT "," SECOND_SHOT( "\"cut\":true," ) ), KEYS_OF( "linear", FIRST_SHOT ),
                KEYS_OF( "linear", SECOND_SHOT( "\"cut\":false," ) ) );
     // a cut that misses its frame slightly, and one between frames
-    RfCamera camera = load_path( KEYED( ",{\"time\":0.41667,\"cut\":true,\"position\":[0,0,2],\"target\":[0,0,0]}"
-                                        ",{\"time\":0.6,\"cut\":true,\"position\":[0,0,3],\"target\":[0,0,0]}]}" ) );
+    AUTO_CAMERA camera = load_path( KEYED( ",{\"time\":0.41667,\"cut\":true,\"position\":[0,0,2],\"target\":[0,0,0]}"
+                                           ",{\"time\":0.6,\"cut\":true,\"position\":[0,0,3],\"target\":[0,0,0]}]}" ) );
     for ( int i = 0; i < 15; ++i )
         assert_int_equal( blurred_eye( &camera, i ).shot, i < 10 ? 0 : 1 );
     assert_three( view_at( &camera, 0.41 ).position, 0, 0, 1, 0 );
     assert_three( view_at( &camera, 0.42 ).position, 0, 0, 2, 0 );
     assert_three( view_at( &camera, 0.6 ).position, 0, 0, 3, 0 );
-    rf_destroy_camera( &camera );
 }
 
 // Broken copies of a text: an error line, or a path whose frames are numbers or errors.
 static int load_mutations( const char* text, uint64_t count )
 {
     size_t size = strlen( text );
-    char *bytes = malloc( size ), path[256];
+    AUTO_FREE char* bytes = malloc( size );
     int loaded = 0;
-    snprintf( path, sizeof path, "%s/broken.json", cli_folder() );
     for ( uint64_t i = 0; i < count; ++i )
     {
         memcpy( bytes, text, size );
         cli_write( "broken.json", bytes, mutate_bytes( (uint8_t*)bytes, size, 5 * ( i + 1 ) ) );
-        RfCamera camera;
+        AUTO_CAMERA camera;
         RfError error = { 0 };
         RfScene scene = { 0 };
-        RfResult result = rf_load_camera( path, &camera, &error );
+        RfResult result = rf_load_camera( cli_path( "broken.json" ), &camera, &error );
         assert_true( result == RF_OK ? camera.track != NULL : error.text[0] != 0 );
         for ( int frame = 0; frame < 5 && result == RF_OK; ++frame )
         {
@@ -388,9 +378,7 @@ static int load_mutations( const char* text, uint64_t count )
             assert_true( seen != RF_OK || ( isfinite( eye.origin.x ) && isfinite( eye.forward.x ) && eye.focal > 0.0f ) );
         }
         loaded += result == RF_OK;
-        rf_destroy_camera( &camera );
     }
-    free( bytes );
     return loaded;
 }
 
@@ -413,8 +401,8 @@ TEST( test_mutations_never_crash )
 // The path from which the vase room's camera is made is that camera.
 TEST( test_vase_zoom_is_the_scenes_camera )
 {
-    RfScene scene;
-    RfCamera camera;
+    AUTO_SCENE scene;
+    AUTO_CAMERA camera;
     RfError error = { 0 };
     int count;
     assert_int_equal( rf_load_gltf( REFRAME_VASE_ROOM, &scene, NULL, &error ), RF_OK );
@@ -433,8 +421,6 @@ TEST( test_vase_zoom_is_the_scenes_camera )
         assert_close( (double)rf_length( rf_sub( a.up, b.up ) ), 0.0, 1e-5 );
         assert_close( (double)( a.focal - b.focal ), 0.0, 1e-4 );
     }
-    rf_destroy_camera( &camera );
-    rf_destroy_scene( &scene );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

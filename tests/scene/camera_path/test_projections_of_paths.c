@@ -6,11 +6,6 @@
 
 #include "scene/lens.h"
 
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
 #define KEYED( rest ) "{\"kind\":\"keyed\",\"interpolation\":\"linear\",\"rotation\":[0,0,0,1]," rest "}"
 #define PLACE "\"position\":[0,0,0]"
 
@@ -74,7 +69,7 @@ TEST( test_lenses_have_limits )
         { .has_shutter = true, .shutter = { -RF_MAX_SHUTTER - 1.0, 0.0 } },
         { .has_shutter = true, .shutter = { 0.0, RF_MAX_SHUTTER + 1.0 } },
     };
-    RfCamera camera = load_path( KEYED( "\"projection\":\"orthographic\",\"ymag\":2,\"keys\":[{\"frame\":1," PLACE "}]" ) );
+    AUTO_CAMERA camera = load_path( KEYED( "\"projection\":\"orthographic\",\"ymag\":2,\"keys\":[{\"frame\":1," PLACE "}]" ) );
     RfLens right = { .has_fstop = true, .fstop = 2.0, .focus = 5.0, .has_shutter = true, .shutter = { -0.25, 0.25 } };
     RfScene scene = { 0 };
     RfEye eye;
@@ -86,7 +81,6 @@ TEST( test_lenses_have_limits )
         assert_int_equal(
             rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, s_wrong + i, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
             RF_ERROR_USAGE );
-    rf_destroy_camera( &camera );
 }
 
 TEST( test_faults_name_the_key )
@@ -186,8 +180,8 @@ TEST( test_shutters_see_beyond_the_ends )
 
 TEST( test_shifts_move_within_the_shutter )
 {
-    RfCamera camera = load_path( KEYED( "\"keys\":[{\"frame\":1,\"shift\":[0,0]," PLACE
-                                        "},{\"frame\":3,\"shift\":[0.2,0.4]," PLACE "}],\"lens\":{\"shutter\":1}" ) );
+    AUTO_CAMERA camera = load_path( KEYED( "\"keys\":[{\"frame\":1,\"shift\":[0,0]," PLACE
+                                           "},{\"frame\":3,\"shift\":[0.2,0.4]," PLACE "}],\"lens\":{\"shutter\":1}" ) );
     RfEye eye = eye_of( &camera, 1 );
     assert_true( eye.moves );
     for ( int k = 0; k < 3; ++k )
@@ -196,7 +190,6 @@ TEST( test_shifts_move_within_the_shutter )
         assert_close( (double)at.axis_x, 100.0 - 5.0 * ( k + 1 ), 1e-4 );
         assert_close( (double)at.axis_y, 50.0 + 10.0 * ( k + 1 ), 1e-4 );
     }
-    rf_destroy_camera( &camera );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )
