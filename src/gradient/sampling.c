@@ -3,7 +3,11 @@
 
 #include "path/lanes.h"
 #include "reuse/accumulate/accumulate.h"
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/camera_rays.h"
+#include "reuse/harvest/hit_list.h"
+#include "reuse/harvest/own_frame.h"
+#include "reuse/harvest/record_weights.h"
+#include "reuse/harvest/visibility.h"
 #include "reuse/tile/tile.h"
 
 #include <string.h>

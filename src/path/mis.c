@@ -15,31 +15,23 @@ void rf_clear_arrivals( int count, RfArrivals* arrivals )
     memset( arrivals->light_pdf_solid_angle, 0, bytes );
 }
 
-void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfArrivalLanes* out )
+void rf_gather_light_sample( const RfLightLanes* light, int part, int count, float k, RfArrivalLanes* out )
 {
     size_t bytes = (size_t)count * sizeof( float );
     for ( int c = 0; c < 3; ++c )
     {
-        memcpy( out->a[c], light->radiance_cos[c], bytes );
+        const float* restrict from = light->radiance_cos[c];
+        float* restrict to = out->a[c];
+        if ( part == RF_ALL_PARTS )
+            memcpy( to, from, bytes );
+#pragma omp simd
+        for ( int i = 0; i < ( part == RF_ALL_PARTS ? 0 : count ); ++i )
+            to[i] = light->part[i] == part ? from[i] : 0.0f;
         memset( out->b[c], 0, bytes );
     }
     for ( int i = 0; i < count; ++i )
         out->light_pdf[i] = k * light->pdf_solid_angle[i];
     out->scattered = false;
-}
-
-void rf_keep_part( const uint8_t* parts, int part, int count, RfArrivalLanes* lanes )
-{
-    for ( int c = 0; c < 3; ++c )
-    {
-        float* restrict a = lanes->a[c], * restrict b = lanes->b[c];
-#pragma omp simd
-        for ( int i = 0; i < count; ++i )
-        {
-            a[i] = parts[i] == part ? a[i] : 0.0f;
-            b[i] = parts[i] == part ? b[i] : 0.0f;
-        }
-    }
 }
 
 void rf_gather_scattered( const RfVertexLanes* v, int count, const float* const wi[3], const RfArrivals* arrivals, float k,

@@ -69,11 +69,9 @@ typedef struct RfArrivalLanes
     bool scattered;                // the directions were drawn by scattering, not by light sampling
 } RfArrivalLanes;
 
-// Light samples, K of them at each vertex.
-void rf_gather_light_sample( const RfLightLanes* light, int count, float k, RfArrivalLanes* out );
-
-// Keeps the lanes of one part of the light, whose parts are given; the others get no light.
-void rf_keep_part( const uint8_t* parts, int part, int count, RfArrivalLanes* lanes );
+// Light samples, K of them at each vertex; of one part of the light, where their parts are set, or RF_ALL_PARTS.
+#define RF_ALL_PARTS ( -1 )
+void rf_gather_light_sample( const RfLightLanes* light, int part, int count, float k, RfArrivalLanes* out );
 
 // What arrives along the rays that the vertices scatter to wi, by slot.
 void rf_gather_scattered( const RfVertexLanes* vertices, int count, const float* const wi[3], const RfArrivals* arrivals, float k,

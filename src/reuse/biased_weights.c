@@ -3,7 +3,8 @@
 #include "reuse/biased_weights.h"
 
 #include "reuse/accumulate/accumulate.h"
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/harvest_scratch.h"
+#include "reuse/harvest/record_weights.h"
 #include "reuse/reuse.h"
 
 #include <string.h>

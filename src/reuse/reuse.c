@@ -6,7 +6,8 @@
 #include "reuse/biased_weights.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/camera_rays.h"
+#include "reuse/harvest/visibility.h"
 
 static RfResult check( const RfRenderSettings* s, RfError* error )
 {

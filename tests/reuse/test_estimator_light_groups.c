@@ -169,6 +169,7 @@ TEST( test_what_moves )
 {
     check_room( "torch", &g_moving_tiles );
     check_room( "passing", &g_moving_frames );
+    check_room( "cones", &g_moving_tiles );
     check_room( "jumps", &g_moving_tiles );
     check_room( "lamps", &g_moving_tiles );
 }

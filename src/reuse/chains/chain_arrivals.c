@@ -1,6 +1,6 @@
 // Light that reaches first hits by chains: from their paths and from chain samples (path/chain_samples.h),
 // combined by the balance heuristic (src/reuse/estimators.md, section 10).
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/chains/chain_arrivals.h"
 
 #include <string.h>
 

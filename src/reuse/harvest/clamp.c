@@ -1,5 +1,5 @@
 // The clamp on the light of hit records: how much of what a path brings is kept (clamp.h).
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/harvest_scratch.h"
 
 #include <string.h>
 

@@ -1,7 +1,7 @@
 // Minimises variance times cost over the share of light paths and connections, from a few batches traced ahead.
 #include "reuse/harvest/connection_share.h"
 
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/harvest_scratch.h"
 
 #include <limits.h>
 #include <string.h>

@@ -3,6 +3,8 @@
 // for Shading Antialiasing, HPG 2016): the light of the wide lobe is the pixel's mean, that of the lobe itself its peak.
 #include "reuse/harvest/glints.h"
 
+#include "reuse/harvest/camera_rays.h"
+
 #include "scene/textured.h"
 
 #include <math.h>

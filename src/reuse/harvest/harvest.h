@@ -46,12 +46,29 @@ RfBatchShape rf_batch_shape( const RfEstimatorGroup* group );
 
 // A thread's workspace.
 typedef struct RfHarvestScratch RfHarvestScratch;
-RfHarvestScratch* rf_place_harvest_scratch( const RfBatchShape* shape, RfLayout* layout );
-
-// Whether a patch has pixels in the pieces that are traced; its tiles may still have none.
-bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job );
 
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
 int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// The steps, which estimators with an order of their own take one by one (src/gradient).
+
+// The harvest of batches of one frame: with its tracer, and with all cameras as pinholes at a point of the lens and moment of the
+// shutter, in scratch->eyes, and what moves at that moment in scratch->tracers.
+RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch );
+
+// Finds what the camera rays hit: scratch->first.
+void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// Follows camera rays through mirrors and glass: scratch->hits.
+void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// Starts roulette with the throughput of the chains up to the hits.
+void rf_scale_roulette( RfHarvestScratch* scratch, int count );
+
+// Light samples at the hits.
+void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
+
+// Samples scattered directions at the hits and traces the rest of the paths.
+void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
 
 #endif

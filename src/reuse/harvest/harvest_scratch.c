@@ -1,5 +1,5 @@
 // The layout of the workspace in which a batch is traced.
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/harvest_scratch.h"
 
 // What depends on the base parts of the light.
 static void place_groups( const RfBatchShape* shape, RfLayout* layout, RfHarvestScratch* scratch )

@@ -1,7 +1,7 @@
 // Own-frame samples: hits of specular materials, and the sky in the background.
 // They are stored with the misses, which have weight 1 in their own frame and 0
 // elsewhere (src/reuse/estimators.md, section 2), but are not black.
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/own_frame.h"
 
 // The light of a miss, of a base part. What specular hits bring is of the kind of emission where chains are not followed.
 static inline float* light_of( const RfHitBatch* batch, int base, int miss )

@@ -1,6 +1,8 @@
 // The light of hit records, weighted over the cameras that could have drawn each
 // direction (src/reuse/estimators.md, E1 and E3), in each layer.
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/record_weights.h"
+
+#include "reuse/chains/chain_arrivals.h"
 
 #include <string.h>
 
@@ -79,15 +81,13 @@ static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratc
     float k = (float)harvest->shape.light_samples;
     if ( by->sampled )
     {
-        rf_gather_light_sample( scratch->direct + by->number, v->count, k, arrival );
-        if ( harvest->path.parts )
-            rf_keep_part( scratch->direct[by->number].part, part, v->count, arrival );
+        rf_gather_light_sample( scratch->direct + by->number, harvest->path.parts ? part : RF_ALL_PARTS, v->count, k, arrival );
         if ( own != NULL )
             rf_split_arrival( scratch->direct[by->number].touched, v->count, arrival, own );
     }
     else if ( by->found ) // other cameras do not see hits with chain samples, so all of a group is one
     {
-        rf_gather_light_sample( &scratch->chain_samples->found, v->count, 1.0f, arrival );
+        rf_gather_light_sample( &scratch->chain_samples->found, RF_ALL_PARTS, v->count, 1.0f, arrival );
         for ( int c = 0; c < 3 && part > 0; ++c )
             memcpy( arrival->a[c], rf_chain_samples_of( scratch->chain_samples, part )[c], (size_t)v->count * sizeof( float ) );
     }

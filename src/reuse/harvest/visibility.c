@@ -1,7 +1,8 @@
 // Which cameras of the group see which hits of a batch, and with what film density. Visibility is tested by packets from the
 // camera (src/reuse/estimators.md, section 8).
 #include "base/fault.h"
-#include "reuse/harvest/harvest_steps.h"
+#include "reuse/harvest/visibility.h"
+#include "reuse/harvest/hit_list.h"
 
 #include "reuse/chains/mirrored.h"
 #include "reuse/harvest/eye_rays.h"

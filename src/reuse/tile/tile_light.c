@@ -17,9 +17,8 @@ static void gather_light_sample( const RfPathSettings* settings, RfTileReuse* re
 {
     RfSecondVertices* second = &reuse->second;
     const RfLightLanes* direct = second->direct + sample;
-    rf_gather_light_sample( direct, second->lanes.count, (float)settings->light_samples, &second->arrival );
-    if ( settings->parts )
-        rf_keep_part( direct->part, part, second->lanes.count, &second->arrival );
+    rf_gather_light_sample( direct, settings->parts ? part : RF_ALL_PARTS, second->lanes.count, (float)settings->light_samples,
+                            &second->arrival );
     if ( has_own( reuse, part ) )
         rf_split_arrival( direct->touched, second->lanes.count, &second->arrival, &reuse->own->arrival );
 }
@@ -28,7 +27,7 @@ static void gather_scattered( const RfPathSettings* settings, RfTileReuse* reuse
 {
     RfSecondVertices* second = &reuse->second;
     const float* wi[3] = { second->wi[0], second->wi[1], second->wi[2] };
-    rf_gather_scattered( &second->lanes, second->lanes.count, wi, &reuse->parts[part].at_second, (float)settings->light_samples,
+    rf_gather_scattered( &second->lanes, second->lanes.count, wi, reuse->at_second + part, (float)settings->light_samples,
                          &second->arrival );
     if ( has_own( reuse, part ) )
         rf_gather_scattered( &second->lanes, second->lanes.count, wi, rf_own_arrivals( &reuse->own->beyond, part ),
@@ -219,7 +218,7 @@ static void add_not_reused( const RfPathSettings* settings, RfWavefront* wavefro
 {
     const RfVertexLanes* y = &reuse->second.lanes;
     const RfArrivalLanes* arrival = own ? &reuse->own->arrival : &reuse->second.arrival;
-    const RfArrivals* at_second = own ? rf_own_arrivals( &reuse->own->beyond, part ) : &reuse->parts[part].at_second;
+    const RfArrivals* at_second = own ? rf_own_arrivals( &reuse->own->beyond, part ) : reuse->at_second + part;
     const RfLaneScratch* s = &wavefront->scratch;
     RfVec3 scale = rf_part_scale( rf_tracer_lights( settings->tracer ), part );
     const float of_frame[3] = { scale.x, scale.y, scale.z };

@@ -77,7 +77,7 @@ static void gather_samples( const int32_t* from, int count, int light_samples, R
 
 static void copy_light( const int32_t* from, const int32_t* slot, int count, int light_samples, RfTileReuse* reuse )
 {
-    RfArrivals* at_second = &reuse->parts->at_second;
+    RfArrivals* at_second = reuse->at_second;
     gather_samples( from, count, light_samples, &reuse->second );
     for ( int b = 0; b < count; ++b )
     {
@@ -99,8 +99,8 @@ static void scale_light( int light_samples, RfTileReuse* reuse, int a, float sca
     {
         for ( int j = 0; j < light_samples; ++j )
             reuse->second.direct[j].radiance_cos[c][a] *= scale;
-        reuse->parts->at_second.emitted[c][slot] *= scale;
-        reuse->parts->at_second.rest[c][slot] *= scale;
+        reuse->at_second->emitted[c][slot] *= scale;
+        reuse->at_second->rest[c][slot] *= scale;
     }
 }
 

@@ -15,7 +15,7 @@ RfTileReuse* rf_place_tile_reuse( int light_lanes, int tile_pixels, bool panes, 
     RF_PLACE( layout, reuse->second.direct, light_lanes );
     RF_PLACE( layout, reuse->pairings, tile_pixels );
     RF_PLACE( layout, reuse->own, own );
-    RF_PLACE( layout, reuse->parts, layers->parts );
+    RF_PLACE( layout, reuse->at_second, layers->parts );
     for ( int s = 0; s < tile_pixels; ++s )
     {
         RF_PLACE( layout, reuse->pairings[s].pane_weight, panes ? 3 : 0 );
@@ -126,7 +126,7 @@ static void find_dark( const RfPathSettings* path, RfTileReuse* reuse )
         int slot = y->slot[a];
         sum[a] = 0.0f;
         for ( int part = 0; part < reuse->part_count; ++part )
-            sum[a] += sum_of( &reuse->parts[part].at_second, slot );
+            sum[a] += sum_of( reuse->at_second + part, slot );
         for ( int base = 0; reuse->split && base < reuse->base_parts; ++base )
             sum[a] += sum_of( rf_own_arrivals( &reuse->own->beyond, base ), slot );
     }
@@ -230,23 +230,19 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
     if ( settings->connector != NULL )
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
+    RfArrivals *arrivals = &wavefront->arrivals, *dimmed = wavefront->dimmed;
+    memcpy( &reuse->slots.at_hits, arrivals, sizeof *arrivals );
+    wavefront->dimmed = reuse->at_second + 1;
     for ( int part = 0; part < reuse->part_count; ++part )
-    {
-        RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
-        memcpy( &reuse->parts[part].at_hits, arrivals, sizeof *arrivals );
-        memset( arrivals, 0, sizeof *arrivals );
-    }
+        memset( rf_arrivals_of_part( wavefront, part ), 0, sizeof *arrivals );
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_face_rays( &reuse->second.lanes ); // where the hits of the tile are
     rf_trace_tails( settings, wavefront, 3 );
-    for ( int part = 0; part < reuse->part_count; ++part )
-    {
-        RfArrivals* arrivals = rf_arrivals_of_part( wavefront, part );
-        memcpy( &reuse->parts[part].at_second, arrivals, sizeof *arrivals );
-        memcpy( arrivals, &reuse->parts[part].at_hits, sizeof *arrivals );
-    }
+    memcpy( reuse->at_second, arrivals, sizeof *arrivals );
+    memcpy( arrivals, &reuse->slots.at_hits, sizeof *arrivals );
+    wavefront->dimmed = dimmed;
 }
 
 // Whether max_depth ends all paths at their second vertex. Where the camera ray passed a pane, they may have one more.

@@ -22,14 +22,8 @@ typedef struct RfTileSlots
 {
     float pane_probability[RF_LANES]; // q of the panes on the way to the second vertex; not set without panes
     RfChainLight chain_light;         // of the paths; all 0 unless it is shared
+    RfArrivals at_hits;               // what has arrived at the hits, while paths are traced beyond second vertices
 } RfTileSlots;
-
-// What arrives of a part of the light (light/light.h), by path slot.
-typedef struct RfTileArrivals
-{
-    RfArrivals at_hits;   // along the rays scattered at the hits
-    RfArrivals at_second; // along the rays scattered at the second vertices
-} RfTileArrivals;
 
 // By hit: the non-specular lanes of the first vertices.
 typedef struct RfTileHits
@@ -111,8 +105,8 @@ typedef struct RfTileReuse
     RfPairingLanes* pairings; // one per pixel of a tile
     RfTileOwn* own;
     bool split;            // light is split into what the frames share and `own`
-    RfTileArrivals* parts; // by part of the light
-    int part_count;        // of paths traced
+    RfArrivals* at_second; // by part of the light: what arrives along the rays scattered at the second vertices
+    int part_count;        // of the light of paths traced
     int base_parts;        // of them those of light groups
 } RfTileReuse;
 

@@ -1,6 +1,6 @@
-// The workspace of the harvest and its steps, which estimators with an order of their own take one by one (src/gradient).
-#ifndef REFRAME_REUSE_HARVEST_HARVEST_STEPS_H
-#define REFRAME_REUSE_HARVEST_HARVEST_STEPS_H
+// The workspace in which a batch is traced, and what is asked of it.
+#ifndef REFRAME_REUSE_HARVEST_HARVEST_SCRATCH_H
+#define REFRAME_REUSE_HARVEST_HARVEST_SCRATCH_H
 
 #include "path/chain_samples.h"
 #include "path/features.h"
@@ -68,6 +68,8 @@ struct RfHarvestScratch
     RfClampHits* clamp;                      // NULL without a clamp
 };
 
+RfHarvestScratch* rf_place_harvest_scratch( const RfBatchShape* shape, RfLayout* layout );
+
 // What the scene and the settings call for.
 static inline bool rf_reuses_tiles( const RfHarvestScratch* scratch )
 {
@@ -110,77 +112,11 @@ static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pa
     return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
 }
 
-// The point of the lens and the moment of the shutter that a batch has: the same for all cameras of the group.
-RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job );
-
 // The tracer of one of the group's frames.
 static inline const RfTracer* rf_harvest_tracer( const RfHarvest* harvest, int eye )
 {
     return harvest->tracers != NULL ? harvest->tracers[eye] : harvest->path.tracer;
 }
-
-// The harvest of batches of one frame: with its tracer, and with all cameras as pinholes at a point of the lens and moment of the
-// shutter, in scratch->eyes, and what moves at that moment in scratch->tracers.
-RfHarvest rf_harvest_at( const RfHarvest* harvest, int eye, RfLensSample lens, RfHarvestScratch* scratch );
-
-// One camera ray per pixel, through a point drawn uniformly or by a filter (NULL: uniformly). Lane i is slot i,
-// which must have its random key.
-void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int count, const int32_t* pixel, RfWavefront* wavefront,
-                          RfRayLanes* rays );
-
-// Finds what the camera rays hit: scratch->first.
-void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch );
-
-// Notes which surfaces the camera rays of the batch's hits and misses hit first: batch->surface. And what another camera sees
-// first on its way to hits that it sees, of density > 0: batch->surface_seen.
-void rf_note_surfaces( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, RfHitBatch* batch );
-void rf_note_surfaces_seen( const RfHarvest* harvest, int eye, const float* density, const RfHarvestScratch* scratch,
-                            RfHitBatch* batch );
-
-// Follows camera rays through mirrors and glass: scratch->hits.
-void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
-
-// Turns ng of translucent hits to the cameras, which are on the side that is seen, wherever light arrives.
-void rf_face_cameras( const RfVertexLanes* v, RfHitBatch* batch );
-
-// Starts roulette with the throughput of the chains up to the hits.
-void rf_scale_roulette( RfHarvestScratch* scratch, int count );
-
-// Light samples at the hits.
-void rf_sample_direct( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
-
-// Samples scattered directions at the hits and traces the rest of the paths.
-void rf_trace_hit_tails( const RfHarvest* harvest, RfHarvestScratch* scratch, RfRayCounts* rays );
-
-// Fills the batch with the hits, misses and glints of `count` camera rays, without their light.
-void rf_list_hits( const RfHarvest* harvest, int count, RfHarvestScratch* scratch, RfHitBatch* batch );
-
-// Visibility and densities from every camera: batch->seen, rows and density_sum,
-// and scratch->density.
-void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
-
-// Radiance of the own-frame samples: the sky, and specular hits, which are listed behind the misses.
-void rf_light_own_frame( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// Adds light that paths found by chains to what arrives at their hits, and traces chain samples.
-void rf_add_chain_light( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling );
-
-// Marks the light of chains in a pairing at glossy hits as light that chain samples could have found as well.
-void rf_share_chain_light( const RfHarvest* harvest, const RfHarvestScratch* scratch, int pairing, RfArrivalLanes* out );
-
-// The weight of a scattered ray against one chain sample is larger where its tile shares the light that it finds (`shared`).
-// Any value is unbiased; this is about the factor by which sharing reduces the variance of such light.
-#define RF_SHARED_CHAIN_WORTH 3.0f
-static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool shared )
-{
-    return ( RfChainSampling ){ harvest->shape.chain_samples, shared ? RF_SHARED_CHAIN_WORTH : 1.0f };
-}
-
-// Marks the hits of camera rays that are on what moves: scratch->own->moving.
-void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
-
-// Finds scratch->own->part by the light samples at each hit and a scattered ray of it, which hits these triangles.
-void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch );
 
 // Whether the light that is kept apart (RfOwnHits) is clamped; caustics are taken out whole.
 static inline bool rf_clamps_own( const RfHarvestScratch* scratch )
@@ -200,17 +136,5 @@ static inline float* rf_own_at( const RfHarvestScratch* scratch, int base, RfLay
         return rf_own_removed_at( scratch, base, hit );
     return own->layers[own->by_kind ? base * RF_HIT_KINDS + (int)kind : base].light + 4 * (size_t)hit;
 }
-
-// Adds the light that is kept apart to the batch, as glints; caustics to what is taken out.
-void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// Before the light of a batch is weighted, with a clamp (clamp.h).
-void rf_begin_clamp( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// Clamps emission of hits at the end of chains that no other camera can follow.
-void rf_clamp_seen_emission( RfHitBatch* batch, const RfHarvestScratch* scratch );
-
-// The light of the records, in all layers. Misses and glints have none yet.
-void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif
