@@ -523,7 +523,7 @@ static RfResult level( RfGradientSolver* solver, RfError* error )
     }
     RfResult result = labels != NULL && sums != NULL
                           ? RF_OK
-                          : rf_fail( error, RF_ERROR_MEMORY, "no memory left for a reconstruction of %zu pixels", count );
+                          : rf_fail( error, RF_ERROR_MEMORY, "out of memory for a reconstruction of %zu pixels", count );
     free( labels );
     free( sums );
     return result;

@@ -12,7 +12,7 @@
 
 static RfResult no_memory( const char* path, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory for its table of intensities", path );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its table of intensities", path );
 }
 
 void rf_release_profile( RfProfile* profile )
