@@ -128,7 +128,7 @@ TEST( test_caustics_are_counted )
         cli_run( "$R render " STILL_LIFE "-o s.exr " SMALL "--aov removed --no-effect caustics --json s.json" );
     cli_expect( done, 0, NULL );
     assert_non_null( strstr( done->err, "--no-effect caustics: changes the picture: light that mirrors, glass" ) );
-    assert_non_null( strstr( done->out, "% of the light taken out" ) );
+    assert_non_null( strstr( done->out, "% of the light removed" ) );
     json_t *json = cli_read_json( "s.json" ), *frame = json_array_get( json_object_get( json, "frames" ), 0 );
     assert_true( json_number_value( json_object_get( frame, "removed_share" ) ) > 0.0 );
     assert_null( json_object_get( frame, "clamp_threshold" ) );

@@ -101,7 +101,7 @@ static void print_frame_errors( const RfRenderJob* job )
 static void print_removed( const RfFrameErrors* errors )
 {
     if ( errors->removes )
-        printf( ", %.2g %% of the light taken out", 100.0 * errors->removed_sum / errors->frames );
+        printf( ", %.2g %% of the light removed", 100.0 * errors->removed_sum / errors->frames );
 }
 
 // The thresholds that a pilot has found, to be given to other shots of the set.
