@@ -362,12 +362,6 @@ static bool is_cut_out( const RfScene* scene, const RfMaterial* m, const RfTrian
     return base[3] < (double)m->textured->alpha_cutoff;
 }
 
-bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
-{
-    RfTriangleAt on = rf_locate_triangle( scene, triangle );
-    return is_cut_out( scene, m, on.triangles, on.index, u, v );
-}
-
 float rf_opacity_on( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
 {
     if ( m->textured->masked )
