@@ -25,7 +25,7 @@ typedef struct RfProfile
     double mean;                  // over the sphere
     float most;
     double cos_reach; // of the vertical angle beyond which it is dark; from above, where `up`
-    double cos_half;  // the same for half of the most
+    double cos_half;  // of the angle beyond which it is at most half of the most
     bool up;          // it shines upwards only
 } RfProfile;
 
