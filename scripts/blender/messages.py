@@ -163,7 +163,7 @@ def parse(about):
 
 def refuse(args, path):
     if os.path.lexists(path) and not args.overwrite:
-        fail("%s: is there already: give another name or --overwrite" % path)
+        fail("%s: already exists: give another name or --overwrite" % path)
 
 
 def frame_range(scene, text):

@@ -68,7 +68,7 @@ RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** 
     if ( *memory != NULL )
         return RF_OK;
     rf_arena_release( arena, name, bytes );
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %.1f MiB left", name,
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory, %.1f MiB more are needed", name,
                     (double)rf_arena_size( bytes ) / 1048576.0 );
 }
 

@@ -23,7 +23,7 @@ __attribute__( ( constructor ) ) static void read_fault( void )
         ++k;
     if ( k == count )
     {
-        fprintf( stderr, "REFRAME_FAULT: %s is no fault of base/fault.h\n", wanted );
+        fprintf( stderr, "REFRAME_FAULT: unknown fault %s, see base/fault.h\n", wanted );
         exit( 2 );
     }
     g_rf_fault = (RfFault)k;

@@ -20,7 +20,7 @@ static RfResult check_kind( const char* path, const struct stat* info, uint64_t 
     if ( S_ISDIR( info->st_mode ) )
         return rf_fail( error, RF_ERROR_IO, "%s: is a folder: name a file in it", path );
     if ( S_ISREG( info->st_mode ) == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is not a regular file: copy its content into one", path );
+        return rf_fail( error, RF_ERROR_IO, "%s: not a regular file: copy its content into one", path );
     if ( (uint64_t)info->st_size > limit )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: has %llu bytes, more than the limit of %llu: make it smaller", path,
                         (unsigned long long)info->st_size, (unsigned long long)limit );
@@ -59,7 +59,7 @@ static RfResult read_open( const char* path, int file, uint64_t limit, uint8_t**
     *size = (size_t)info.st_size;
     *bytes = malloc( *size > 0 ? *size : 1 );
     if ( *bytes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu bytes of memory left to read it into", path, *size );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory reading its %zu bytes", path, *size );
     result = read_all( path, file, *bytes, *size, error );
     if ( result != RF_OK )
     {

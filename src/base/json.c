@@ -24,7 +24,7 @@ RfResult rf_parse_json( const char* path, const void* text, size_t size, const c
     errno = 0; // jansson takes a string that it has no memory for for one that is not there
     *root = json_loadb( text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &fault );
     if ( *root == NULL && errno == ENOMEM )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", path );
     if ( *root == NULL )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: line %d, column %d: %s: %s", path, fault.line, fault.column, fault.text,
                         advice );
@@ -90,7 +90,7 @@ RfResult rf_open_json( const char* path, RfJsonDocument* document, RfError* erro
     error = rf_begin_reading( error );
     uint8_t* bytes = NULL;
     size_t size;
-    RfResult result = document->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
+    RfResult result = document->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", path );
     if ( result == RF_OK )
         result = rf_read_file( path, MAX_BYTES, &bytes, &size, error );
     if ( result == RF_OK )
@@ -230,7 +230,7 @@ RfResult rf_field_fail_as( const RfField* field, RfResult result, const RfError*
 
 RfResult rf_field_no_memory( const RfField* field )
 {
-    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: no memory left", field->file, field->path );
+    return rf_fail( field->error, RF_ERROR_MEMORY, "%s: %s: out of memory", field->file, field->path );
 }
 
 RfResult rf_field_must_be( const RfField* field, const char* want )

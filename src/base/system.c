@@ -128,7 +128,7 @@ static double own_cgroup_cores( void )
     return cores;
 }
 
-// The same for the group of this process.
+// Free memory of the control groups that this process is in.
 static size_t own_cgroup_free_memory( void )
 {
     char line[4096];

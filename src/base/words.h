@@ -11,10 +11,10 @@ void rf_append( char* text, size_t size, const char* format, ... ) __attribute__
 // Appends words, up to NULL, with `between` between them, and `last` before the last.
 void rf_append_words( char* text, size_t size, const char* const* words, const char* between, const char* last );
 
-// Does it end so, and begin with something else?
+// True if `text` ends with `end` and is longer.
 bool rf_ends_with( const char* text, const char* end );
 
-// The same for the extension of a file, in any case: ".glb".
+// True of files with this extension, in any case: ".glb".
 bool rf_has_extension( const char* path, const char* extension );
 
 // The one of `count` words nearest to `word` by edit distance, or NULL if none is close enough

@@ -35,10 +35,10 @@ void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, con
 void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
                      float* const wi[3] );
 
-// The same for models from RF_BSDF_FIRST_SPECULAR on, whose lobes may be
-// deltas and may go through the surface. Also returns weight = f |n·wi| / density
-// (three arrays, 0 where nothing is scattered) and the density, RF_DELTA_PDF for
-// directions that light sampling cannot find.
+// Samples wi of models from RF_BSDF_FIRST_SPECULAR on, whose lobes may be deltas
+// and may go through the surface, with weight = f |n·wi| / density (0 where nothing
+// is scattered) and the density, RF_DELTA_PDF for directions that light sampling
+// cannot find.
 void rf_bsdf_sample_weighted( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3],
                               const float* const u[3], float* const wi[3], float* const weight[3], float* pdf_solid_angle );
 
@@ -73,10 +73,10 @@ typedef struct RfPane
     RfVec3 colour;     // T, the transmittance: tint times 1 − F
 } RfPane;
 
-// The pane that a material is at a point, for rays at this angle to the shading normal. The same from both sides.
+// The pane that a material is at a point, from either side, for rays at this angle to the shading normal.
 RfPane rf_pane_of_material( const RfMaterial* material, float cos_o );
 
-// The same for a lane of GLASS or SPECTRAL seen from wo.
+// The pane that a lane of GLASS or SPECTRAL is, seen from wo.
 RfPane rf_pane_of_lane( RfBsdfKind kind, const RfBsdfLanes* lanes, int lane, RfVec3 wo );
 
 // The probability that sampling at a lane of GLASS or SPECTRAL without a base, seen from wo, reflects rather than transmits: that of a

@@ -5,7 +5,7 @@
 //   f = f_ggx (1 − c F(μo)) (1 − c F(μi)) + c D G2 F(wo·h) / (4 μo μi) · μi / (n·wi)
 //
 // The coat has its own shading normal, nc, which defines its μ: it may be smooth
-// over bumps, or the other way round (then it is not quite reciprocal). The last
+// over bumps, or bumpy over smooth (then it is not quite reciprocal). The last
 // factor, 1 where the two normals agree, cancels the cosine of the surface that
 // callers multiply f by.
 #include "base/fault.h"

@@ -117,7 +117,7 @@ static inline RfVec3 metallic( const Glass* g, float w, float grazing )
     return rf_add( rf_scale( g->specular, 1.0f - w ), rf_vec3( white, white, white ) );
 }
 
-// The same of a fraction that is metal, under a film.
+// What a metallic fraction reflects under a film.
 static RfVec3 metallic_under_film( const Glass* g, float cos_o, RfVec3 bare, float fraction )
 {
     if ( !( g->spectrum.film > 0.0f ) || !( fraction > 0.0f ) )

@@ -46,7 +46,7 @@ typedef struct RfMaterial
     union
     {
         float exponent; // PHONG: n of cosⁿ, ≥ 0
-        float alpha;    // GGX, COATED: roughness², in [RF_MIN_ALPHA, 1]; GLASS: likewise, or 0: smooth
+        float alpha;    // roughness², in [RF_MIN_ALPHA, 1]; GLASS: 0 is smooth
     };
     float f90;             // GGX: reflectance at grazing incidence; GLASS: metallic fraction
     float coat_f0;         // GGX: Fresnel reflectance that the base loses, at normal and
@@ -70,8 +70,8 @@ typedef struct RfMaterial
     float stretch_x;      // ANISOTROPIC, LAYERED: the direction along which highlights are stretched, across the scratches:
     float stretch_y;      //      unit vector by tangent and bitangent
     float film;           // IRIDESCENT, LAYERED, SPECTRAL: strength of the thin film, 0 to 1
-    float film_ior;       // likewise: its index of refraction
-    float film_thickness; // likewise: nm
+    float film_ior;       // its index of refraction
+    float film_thickness; // nm
     float dispersion;     // SPECTRAL: 20 over the Abbe number; 0: none
     RfVec3 emission;      // radiance, W/(m² sr), on the front (on both sides if double_sided)
     // in 32 bits: the size of a material is a factor of few instructions wherever one is looked up

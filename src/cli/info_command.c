@@ -131,7 +131,7 @@ static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
         s_fps = rf_scene_fps( scene );
     facts->cameras = calloc( (size_t)facts->scene.cameras + 1, sizeof *facts->cameras );
     if ( facts->cameras == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its cameras", facts->scene.path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its cameras", facts->scene.path );
     for ( int i = 0; i < facts->scene.cameras && result == RF_OK; ++i )
         result = rf_scene_camera( scene, i, s_fps, facts->cameras + i, error );
     return result == RF_OK ? gather_changes( scene, facts, error ) : result;

@@ -156,7 +156,7 @@ static RfResult dump_to_file( const char* path, const json_t* json, RfError* err
 {
     char* text = json_dumps( json, JSON_FLAGS );
     if ( text == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the result", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the result", path );
     size_t length = strlen( text );
     text[length] = '\n'; // replaces the terminator
     RfResult result = rf_write_file_atomic( path, text, length + 1, error );
@@ -189,7 +189,7 @@ bool rf_prints_text( const char* json ) { return json == NULL || strcmp( json, "
 RfResult rf_write_json( const char* path, json_t* json, RfError* error )
 {
     if ( json == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the result", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the result", path );
     RfResult result;
     if ( strcmp( path, "-" ) == 0 )
     {

@@ -166,7 +166,7 @@ static RfResult read_variance( const char* path, const char* prefix, const char*
     {
         planes[c] = malloc( count * sizeof( float ) );
         if ( planes[c] == NULL )
-            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its variances", path );
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its variances", path );
         for ( size_t i = 0; i < count && planes[c] != NULL; ++i )
             planes[c][i] = image.rgb[3 * i + c];
     }
@@ -236,7 +236,7 @@ static RfResult read_file( const ReconstructFiles* files, const Paths* paths, in
 static RfResult read_reconstruct_frame( const ReconstructFiles* files, int number, ReconstructFrame* frame, RfError* error )
 {
     Paths* paths = calloc( 1, sizeof *paths );
-    RfResult result = paths != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of files" );
+    RfResult result = paths != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of files" );
     *frame = ( ReconstructFrame ){ .half_count = 0 };
     for ( int k = 0; k < 4 && result == RF_OK; ++k )
         result = rf_sequence_input_name( files->inputs + k, number, paths->of[k], error );
@@ -467,7 +467,7 @@ static RfResult run( void* user, RfError* error )
     for ( int k = 0; k < 4 && result == RF_OK; ++k )
     {
         if ( rf_may_be_same_file( input[k].pattern, job->output ) )
-            result = rf_fail( error, RF_ERROR_USAGE, "-o: %s: is what is read: choose another name", job->output );
+            result = rf_fail( error, RF_ERROR_USAGE, "-o: %s: is also the input: choose another name", job->output );
     }
     if ( result == RF_OK && input->is_sequence && job->files.frames == NULL )
         result = rf_warn_of_missing( input, job->log, error );

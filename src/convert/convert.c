@@ -25,7 +25,7 @@ static RfResult read_head( const char* path, char head[HEAD_BYTES], RfError* err
     struct stat status;
     memset( head, 0, HEAD_BYTES );
     if ( stat( path, &status ) == 0 && !S_ISREG( status.st_mode ) )
-        return rf_fail( error, RF_ERROR_IO, "%s: is no regular file: name a file", path );
+        return rf_fail( error, RF_ERROR_IO, "%s: not a regular file", path );
     FILE* file = fopen( path, "rb" );
     if ( file == NULL )
         return rf_fail_io( path, "cannot be read", errno, error );
@@ -48,7 +48,7 @@ static RfResult check_files( const char* from, const char* to, bool overwrite, c
         return rf_fail( error, RF_ERROR_USAGE, "%s: is glTF already and needs no conversion: render it as it is", from );
     struct stat status;
     if ( !overwrite && lstat( to, &status ) == 0 )
-        return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: is there already", to ), RF_REMEDY_OVERWRITE, 0, error );
+        return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: already exists", to ), RF_REMEDY_OVERWRITE, 0, error );
     return rf_try_output_file( to, error );
 }
 

@@ -633,7 +633,7 @@ RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error
 RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, RfError* error )
 {
     if ( !overwrite && access( path, F_OK ) == 0 )
-        return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: is there already", path ), RF_REMEDY_OVERWRITE, 0, error );
+        return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: already exists", path ), RF_REMEDY_OVERWRITE, 0, error );
     RfAtomicFile file;
     RfResult result = rf_open_atomic_file( path, &file, error );
     if ( result != RF_OK )

@@ -29,7 +29,7 @@ typedef struct RfPlyReader
 
 static inline RfResult rf_ply_no_memory( const RfPlyReader* r )
 {
-    return rf_fail( r->file.error, RF_ERROR_MEMORY, "%s: no memory left to read it", r->file.path );
+    return rf_fail( r->file.error, RF_ERROR_MEMORY, "%s: out of memory reading it", r->file.path );
 }
 
 typedef enum RfCut
@@ -558,7 +558,7 @@ RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* err
     {
         free( r );
         rf_destroy_model( model );
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to read it", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory reading it", path );
     }
     r->file = ( RfPlyFile ){ .path = path, .error = error };
     r->log = log;

@@ -61,9 +61,9 @@ static RfResult fail_unknown( const char* word, size_t length, RfError* error )
     snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
     const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_ALPHA + 1 ) : NULL;
     if ( nearest != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, did you mean %s?", copy, nearest );
+        return rf_fail( error, RF_ERROR_USAGE, "unknown AOV '%s', did you mean %s?", copy, nearest );
     rf_format_aovs( RF_ALL_AOVS, all, sizeof all );
-    return rf_fail( error, RF_ERROR_USAGE, "'%s' is no AOV, there are %s", copy, all );
+    return rf_fail( error, RF_ERROR_USAGE, "unknown AOV '%s', expected %s", copy, all );
 }
 
 RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error )

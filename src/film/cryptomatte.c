@@ -68,9 +68,9 @@ RfResult rf_parse_cryptomatte( const char* text, unsigned* kinds, RfError* error
         const char* nearest =
             k == RF_CRYPTOMATTE_KINDS && length > 0 ? rf_nearest_word( word, words, RF_CRYPTOMATTE_KINDS ) : NULL;
         if ( nearest != NULL )
-            return rf_fail( error, RF_ERROR_USAGE, "'%s' is no kind of Cryptomatte, did you mean %s?", word, nearest );
+            return rf_fail( error, RF_ERROR_USAGE, "unknown Cryptomatte '%s', did you mean %s?", word, nearest );
         if ( k == RF_CRYPTOMATTE_KINDS )
-            return rf_fail( error, RF_ERROR_USAGE, "'%s' is no kind of Cryptomatte, there are object, material and asset", word );
+            return rf_fail( error, RF_ERROR_USAGE, "unknown Cryptomatte '%s', expected object, material or asset", word );
         if ( ( *kinds & 1u << k ) != 0 )
             return rf_fail( error, RF_ERROR_USAGE, "Cryptomatte of kind %s is given twice", word );
         *kinds |= 1u << k;
@@ -109,7 +109,7 @@ RfResult rf_make_cryptomatte_ids( const RfScene* scene, int kind, RfCryptomatteI
     int count = names_of( scene, kind );
     *ids = ( RfCryptomatteIds ){ kind, scene->material_count, malloc( ( (size_t)count + 1 ) * sizeof *ids->id ) };
     if ( ids->id == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the names of %d objects", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of %d objects", count );
     for ( int i = 0; i < count; ++i )
         ids->id[i] = rf_cryptomatte_id( name_of( scene, (unsigned)kind, i ) );
     return RF_OK;

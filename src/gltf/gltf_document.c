@@ -67,7 +67,7 @@ bool rf_gltf_grow( void* list, int count, size_t size )
 
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )
 {
-    return rf_gltf_fail( gltf, RF_ERROR_MEMORY, where, "the system has no memory left: close other programs" );
+    return rf_gltf_fail( gltf, RF_ERROR_MEMORY, where, "out of memory: close other programs" );
 }
 
 void rf_gltf_notice( RfGltf* gltf, const char* format, ... )

@@ -280,7 +280,6 @@ RfRelmse rf_finish_gradients( const RfRenderSettings* settings, const RfFilm* fi
     {
         // samples that are not finite: the pixels as they are show where
         picture->solved = RF_SOLVED_NOT;
-        rf_combine_film( primal, RF_NORMALIZE_RATIO, picture->rgb, NULL );
         finish_pixels( primal, picture );
         return rf_plain_relmse( (double)NAN );
     }

@@ -30,7 +30,12 @@ enum
     PIXELS,
     PAIRS_X,
     PAIRS_Y,
+    PLANES,
 };
+
+static const char* const s_data[PLANES] = { "primal", "dx", "dy" };
+static const char* const s_weights[PLANES] = { "weight of the primal", "weight of dx", "weight of dy" };
+static const char* const s_variances[PLANES] = { "variance of the primal", "variance of dx", "variance of dy" };
 
 static Extent extent_of( const RfGradientImages* in, int of )
 {
@@ -99,25 +104,17 @@ static RfResult check_data( const float* rgb, const float* weights, Extent e, co
 // *scale is the power of two that brings the largest of the data near 1.
 static RfResult check_gradients( const RfGradientImages* in, const RfGradientWeights* weights, float* scale, RfError* error )
 {
-    const float *a = weights != NULL ? weights->a : NULL, *b_x = weights != NULL ? weights->b_x : NULL,
-                *b_y = weights != NULL ? weights->b_y : NULL;
+    const float *data[PLANES] = { in->primal, in->dx, in->dy }, *weight[PLANES] = { NULL };
     float largest = 0.0f;
-    int w = in->width, h = in->height;
-    if ( w < 1 || h < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels cannot be reconstructed", w, h );
-    RfResult result = RF_OK;
+    if ( in->width < 1 || in->height < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "an image of %dx%d pixels cannot be reconstructed", in->width, in->height );
     if ( weights != NULL )
-        result = check_plane( a, extent_of( in, PIXELS ), "weight of the primal", error );
-    if ( result == RF_OK && weights != NULL )
-        result = check_plane( b_x, extent_of( in, PAIRS_X ), "weight of dx", error );
-    if ( result == RF_OK && weights != NULL )
-        result = check_plane( b_y, extent_of( in, PAIRS_Y ), "weight of dy", error );
-    if ( result == RF_OK )
-        result = check_data( in->primal, a, extent_of( in, PIXELS ), "primal", &largest, error );
-    if ( result == RF_OK )
-        result = check_data( in->dx, b_x, extent_of( in, PAIRS_X ), "dx", &largest, error );
-    if ( result == RF_OK )
-        result = check_data( in->dy, b_y, extent_of( in, PAIRS_Y ), "dy", &largest, error );
+        memcpy( weight, ( const float*[] ){ weights->a, weights->b_x, weights->b_y }, sizeof weight );
+    RfResult result = RF_OK;
+    for ( int k = 0; k < PLANES && result == RF_OK && weights != NULL; ++k )
+        result = check_plane( weight[k], extent_of( in, k ), s_weights[k], error );
+    for ( int k = 0; k < PLANES && result == RF_OK; ++k )
+        result = check_data( data[k], weight[k], extent_of( in, k ), s_data[k], &largest, error );
     int exponent = 0;
     if ( largest > 0.0f )
         frexpf( largest, &exponent );
@@ -314,14 +311,14 @@ void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], fl
     Brightness brightness = find_brightness( &half->images, scratch );
     size_t count = 0;
     double sum = 0.0;
-    for ( int k = 0; k < 3; ++k )
+    for ( int k = 0; k < PLANES; ++k )
     {
-        smooth( variances[k], brightness, extent_of( &half->images, PIXELS + k ), steps[k], weights[k] );
-        sum += sum_logs( weights[k], extent_of( &half->images, PIXELS + k ), &count );
+        smooth( variances[k], brightness, extent_of( &half->images, k ), steps[k], weights[k] );
+        sum += sum_logs( weights[k], extent_of( &half->images, k ), &count );
     }
     double typical = count > 0 || RF_FAULT( typical ) ? exp( sum / (double)count ) : 1.0;
-    for ( int k = 0; k < 3; ++k )
-        invert( weights[k], extent_of( &half->images, PIXELS + k ), h, typical );
+    for ( int k = 0; k < PLANES; ++k )
+        invert( weights[k], extent_of( &half->images, k ), h, typical );
 }
 
 // L1 by iteratively reweighted least squares: each datum is weighted by the inverse of its distance from the last
@@ -412,12 +409,9 @@ static void solve_l1( const RfReconstructOptions* options, RfGradientSolver* sol
 static RfResult check_half( const RfGradientHalf* half, float* scale, RfError* error )
 {
     RfResult result = check_gradients( &half->images, NULL, scale, error );
-    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance, extent_of( &half->images, PIXELS ), "variance of the primal", error );
-    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance_dx, extent_of( &half->images, PAIRS_X ), "variance of dx", error );
-    if ( result == RF_OK && !RF_FAULT( finite_variance ) )
-        result = check_plane( half->variance_dy, extent_of( &half->images, PAIRS_Y ), "variance of dy", error );
+    const float* variance[PLANES] = { half->variance, half->variance_dx, half->variance_dy };
+    for ( int k = 0; k < PLANES && result == RF_OK && !RF_FAULT( finite_variance ); ++k )
+        result = check_plane( variance[k], extent_of( &half->images, k ), s_variances[k], error );
     if ( result == RF_OK && !( half->passes > 0.0 && isfinite( half->passes ) ) )
         result = rf_fail( error, RF_ERROR_USAGE, "a half of %g passes has no share in the average", half->passes );
     return result;
@@ -523,7 +517,7 @@ static RfResult level( RfGradientSolver* solver, RfError* error )
     }
     RfResult result = labels != NULL && sums != NULL
                           ? RF_OK
-                          : rf_fail( error, RF_ERROR_MEMORY, "no memory left for a reconstruction of %zu pixels", count );
+                          : rf_fail( error, RF_ERROR_MEMORY, "out of memory for a reconstruction of %zu pixels", count );
     free( labels );
     free( sums );
     return result;
@@ -532,14 +526,14 @@ static RfResult level( RfGradientSolver* solver, RfError* error )
 static RfResult solve_with_weights( const RfGradientImages* in, const RfGradientWeights* weights,
                                     const RfReconstructOptions* options, RfGradientSolver* solver, RfError* error )
 {
-    float largest =
-        fmaxf( largest_of( weights->a, extent_of( in, PIXELS ) ), fmaxf( largest_of( weights->b_x, extent_of( in, PAIRS_X ) ),
-                                                                         largest_of( weights->b_y, extent_of( in, PAIRS_Y ) ) ) );
+    const float* from[PLANES] = { weights->a, weights->b_x, weights->b_y };
+    float *to[PLANES] = { solver->system.a, solver->system.b_x, solver->system.b_y }, largest = 0.0f;
+    for ( int k = 0; k < PLANES; ++k )
+        largest = fmaxf( largest, largest_of( from[k], extent_of( in, k ) ) );
     if ( !( largest > 0.0f ) && !RF_FAULT( all_weights_0 ) )
         return rf_fail( error, RF_ERROR_USAGE, "all weights are 0: the image is undefined" );
-    copy_weights( weights->a, extent_of( in, PIXELS ), in->height, largest, solver->system.a );
-    copy_weights( weights->b_x, extent_of( in, PAIRS_X ), in->height, largest, solver->system.b_x );
-    copy_weights( weights->b_y, extent_of( in, PAIRS_Y ), in->height, largest, solver->system.b_y );
+    for ( int k = 0; k < PLANES; ++k )
+        copy_weights( from[k], extent_of( in, k ), in->height, largest, to[k] );
     rf_solve_weighted( options, solver );
     return level( solver, error );
 }

@@ -316,8 +316,7 @@ static void find_common( const RfEstimatorGroup* group, const RfHarvest* harvest
     }
 }
 
-// The values with light samples of each pixel as well. The single path of a pair has such anyway, and its differences are those
-// of its values.
+// Adds values with light samples of each pixel. A pair has a single path, whose differences are those of its values.
 static void find_values( const RfEstimatorGroup* group, const RfHarvest* harvest, bool pairs, RfGradientBatch* batch,
                          RfGradientScratch* scratch, RfRayCounts* rays )
 {

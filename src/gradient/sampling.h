@@ -63,7 +63,7 @@ typedef struct RfGradientBatch
     int tile_count;
     RfExtendedTile tile[RF_LISTED_TILES];
     float value[RF_LANES][4];    // radiance: red, green, blue, and 1 where the camera ray missed; tile after tile, row after row
-    float common[RF_LANES][3];   // the same with the light samples common to the tile: for differences
+    float common[RF_LANES][3];   // radiance with the light samples that the tile has in common: for differences
     float unshared[RF_LANES][3]; // what tiles do not share; not part of `common`
 } RfGradientBatch;
 

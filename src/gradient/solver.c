@@ -37,7 +37,7 @@ RfResult rf_create_transform( int width, int height, float* plane, RfCosineTrans
     if ( transform->forward != NULL && transform->backward != NULL && transform->eigenvalues != NULL )
         return RF_OK;
     rf_destroy_transform( transform );
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the cosine transform of %dx%d pixels", width, height );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the cosine transform of %dx%d pixels", width, height );
 }
 
 void rf_destroy_transform( RfCosineTransform* transform )
@@ -218,7 +218,7 @@ RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReco
     solver->own = options->work == NULL ? aligned_alloc( 64, bytes ) : NULL;
     RfLayout layout = { .memory = options->work != NULL ? options->work : solver->own };
     if ( layout.memory == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a reconstruction of %dx%d pixels, %zu MiB", in->width,
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a reconstruction of %dx%d pixels, %zu MiB", in->width,
                         in->height, bytes >> 20 );
     place_solver( in->width, in->height, &layout, solver );
     for ( int c = 0; c < 3; ++c )

@@ -142,7 +142,7 @@ static RfResult make_folder( const char* folder, RfError* error )
     if ( errno == ENOENT && ( mkdir( folder, 0777 ) == 0 || errno == EEXIST ) )
         return RF_OK;
     if ( errno == ENOENT )
-        return rf_fail( error, RF_ERROR_IO, "%s: this folder cannot be made, the one that it is to be in is missing", folder );
+        return rf_fail( error, RF_ERROR_IO, "%s: this folder cannot be made, its parent is missing", folder );
     return rf_fail( error, RF_ERROR_IO, "%s: the folder cannot be used: %s", folder, strerror( errno ) );
 }
 

@@ -116,7 +116,7 @@ RfResult rf_create_pixels( const RfEncoded* in, long long width, long long heigh
         return RF_ERROR_INTERRUPTED;
     out->data = malloc( (size_t)bytes );
     if ( out->data == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %llu MiB left to decode it into", in->name,
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory decoding it into %llu MiB", in->name,
                         (unsigned long long)( bytes >> 20 ) );
     return RF_OK;
 }
@@ -196,9 +196,9 @@ static RfResult convert( RfPixels* pixels, const char* path, float** rgb, RfErro
 {
     size_t count = (size_t)pixels->width * (size_t)pixels->height;
     *rgb = malloc( count * 3 * sizeof **rgb );
-    RfResult result = *rgb != NULL ? fill( pixels, path, *rgb, error )
-                                   : rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no %zu MiB left for its pixels", path,
-                                              count * 12 >> 20 );
+    RfResult result =
+        *rgb != NULL ? fill( pixels, path, *rgb, error )
+                     : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its pixels, %zu MiB", path, count * 12 >> 20 );
     if ( result == RF_OK )
         return RF_OK;
     free( *rgb );
@@ -251,8 +251,8 @@ RfResult rf_create_image( int width, int height, RfImage* image, RfError* error 
     size_t pixels = (size_t)width * (size_t)height;
     float* rgb = pixels <= SIZE_MAX / ( 3 * sizeof( float ) ) ? calloc( pixels, 3 * sizeof( float ) ) : NULL;
     if ( rgb == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "an image of %dx%d pixels: the system has no %.1f MiB left", width, height,
-                        12.0 * (double)pixels / 1048576.0 );
+        return rf_fail( error, RF_ERROR_MEMORY, "an image of %dx%d pixels: out of memory, %.1f MiB more are needed", width,
+                        height, 12.0 * (double)pixels / 1048576.0 );
     *image = ( RfImage ){ .width = width, .height = height, .rgb = rgb };
     return RF_OK;
 }

@@ -68,7 +68,7 @@ RfResult rf_decode_hdr( const RfEncoded* in, RfPixels* out, RfError* error )
     stbi_io_callbacks io = { read_bytes, skip_bytes, at_end };
     out->data = stbi_loadf_from_callbacks( &io, &source, &width, &height, &channels, 3 );
     if ( source.cut_off )
-        return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: it is cut off", in->name );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: truncated", in->name );
     if ( out->data == NULL || width != out->width || height != out->height )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: damaged HDR: %s", in->name,
                         out->data == NULL ? stbi_failure_reason() : "its size changes" );

@@ -12,9 +12,9 @@ static RfResult fail_status( const RfEncoded* in, VP8StatusCode status, RfError*
     switch ( status )
     {
         case VP8_STATUS_OUT_OF_MEMORY:
-            return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left to decode the WebP image", in->name );
+            return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory decoding the WebP image", in->name );
         case VP8_STATUS_NOT_ENOUGH_DATA:
-        case VP8_STATUS_SUSPENDED: return rf_fail( error, RF_ERROR_FORMAT, "%s: the WebP image is cut off", in->name );
+        case VP8_STATUS_SUSPENDED: return rf_fail( error, RF_ERROR_FORMAT, "%s: the WebP image is truncated", in->name );
         case VP8_STATUS_UNSUPPORTED_FEATURE:
             return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: libwebp does not read this kind of WebP: store it as PNG",
                             in->name );

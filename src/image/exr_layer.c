@@ -515,7 +515,7 @@ static RfResult read_wanted( const char* path, const RfExrName* const* wanted, i
     Interleaved to = { .width = window->width, .channels = count };
     to.values = malloc( (size_t)window->width * (size_t)window->height * (size_t)count * sizeof( float ) );
     if ( to.values == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %dx%d pixels", path, window->width, window->height );
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for %dx%d pixels", path, window->width, window->height );
     else
         result = read_parts( &stream, wanted, count, &to, error );
     close( stream.fd );

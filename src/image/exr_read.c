@@ -266,7 +266,7 @@ static RfResult read_lines( Reader* reader, RfError* error )
     }
     reader->line = malloc( (size_t)part->width * sizeof( float ) );
     if ( reader->line == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to read it", part->stream->path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory reading it", part->stream->path );
     RfResult result = part->tiled ? read_tiles( reader, error ) : read_scanlines( reader, error );
     if ( reader->started )
         exr_decoding_destroy( part->context, &reader->pipeline );
@@ -394,7 +394,7 @@ RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* convers
                         part->stream->path );
     return rf_fail(
         error, RF_ERROR_FORMAT,
-        "%.600s: its chromaticities are no colour space (red %g %g, green %g %g, blue %g %g, white %g %g): correct or "
+        "%.600s: its chromaticities do not define a colour space (red %g %g, green %g %g, blue %g %g, white %g %g): correct or "
         "remove this attribute",
         part->stream->path, (double)given.xy[0][0], (double)given.xy[0][1], (double)given.xy[1][0], (double)given.xy[1][1],
         (double)given.xy[2][0], (double)given.xy[2][1], (double)given.xy[3][0], (double)given.xy[3][1] );
@@ -573,7 +573,7 @@ static RfResult list_channels( RfExrStream* stream, RfExrHeader* header, RfError
         is_done = copy_names( &part, header );
         rf_close_exr_part( &part );
     }
-    return is_done ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its channels", stream->path );
+    return is_done ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the names of its channels", stream->path );
 }
 
 // Opens the part with the layer or the colour, else the first readable part. If there is none,

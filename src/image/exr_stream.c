@@ -189,8 +189,7 @@ RfResult rf_fail_exr( const RfExrStream* stream, exr_result_t code, const char* 
         return rf_fail_io( stream->path, what, stream->io_error, error );
     // zlib's lack of memory comes out as damaged data
     if ( code == EXR_ERR_OUT_OF_MEMORY || errno == ENOMEM )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: %s: the system has no memory left: close other programs", stream->path,
-                        what );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: %s: out of memory: close other programs", stream->path, what );
     const char* why = stream->message[0] != 0 ? stream->message : exr_get_default_error_message( code );
     RfResult result = code == EXR_ERR_FEATURE_NOT_IMPLEMENTED ? RF_ERROR_UNSUPPORTED : RF_ERROR_FORMAT;
     return rf_fail( error, result, "%s: %s: %s", stream->path, what, why );

@@ -172,14 +172,14 @@ static RfResult check_options( const char* path, const RfImage* image, const RfE
         return rf_fail( error, RF_ERROR_USAGE, "%s: %dx%d pixels cannot be written: a side has at most %d", path, image->width,
                         image->height, RF_EXR_MAX_SIDE );
     if ( (unsigned)options->compression > RF_EXR_DWAB )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: there is no compression %d", path, (int)options->compression );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: unknown compression %d", path, (int)options->compression );
     if ( rf_is_dwa( options->compression ) && !rf_has_dwa() )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: this build of reframe lacks DWA: choose ZIP or PIZ", path );
     if ( rf_is_dwa( options->compression ) && !( options->dwa_level >= 0.0f && options->dwa_level <= RF_EXR_MAX_DWA_LEVEL ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: a level of DWA is 0 to %g, not %g", path, (double)RF_EXR_MAX_DWA_LEVEL,
                         (double)options->dwa_level );
     if ( (unsigned)options->colour_space > RF_ACESCG )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: there is no colour space %d", path, (int)options->colour_space );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: unknown colour space %d", path, (int)options->colour_space );
     if ( options->channel_count < 0 || options->channel_count > RF_EXR_MAX_CHANNELS - 3 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: %d channels cannot be written: at most %d and R, G, B", path,
                         options->channel_count, RF_EXR_MAX_CHANNELS - 3 );

@@ -72,7 +72,7 @@ RfResult rf_encode_jpeg( const unsigned char* rgb, int width, int height, int qu
                         height, RF_JPEG_MAX_SIDE );
     Writer* writer = calloc( 1, sizeof *writer ); // on the heap, so that a longjmp leaves it intact
     if ( writer == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for a JPEG", name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for a JPEG", name );
     writer->name = name;
     writer->error = error;
     writer->jpeg.err = jpeg_std_error( &writer->handlers );
@@ -166,7 +166,7 @@ static RfResult read_header( Reader* reader )
     if ( result != RF_OK )
         return result;
     if ( (size_t)jpeg->image_width * jpeg->image_height / MAX_PIXELS_PER_BYTE > reader->in->size )
-        return rf_fail( reader->error, RF_ERROR_FORMAT, "%s: damaged JPEG: it is cut off", reader->in->name );
+        return rf_fail( reader->error, RF_ERROR_FORMAT, "%s: damaged JPEG: truncated", reader->in->name );
     return rf_create_pixels( reader->in, jpeg->image_width, jpeg->image_height, reader->out, reader->error );
 }
 
@@ -202,7 +202,7 @@ RfResult rf_decode_jpeg( const RfEncoded* in, RfPixels* out, RfError* error )
 {
     Reader* reader = calloc( 1, sizeof *reader );
     if ( reader == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for libjpeg", in->name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for libjpeg", in->name );
     reader->in = in;
     reader->out = out;
     reader->error = error;

@@ -54,7 +54,7 @@ static void keep_bytes( Writer* writer, const unsigned char* bytes, size_t size 
         unsigned char* larger = realloc( writer->bytes, room );
         if ( larger == NULL )
         {
-            writer->result = rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for its bytes", writer->name );
+            writer->result = rf_fail( writer->error, RF_ERROR_MEMORY, "%s: out of memory for its bytes", writer->name );
             return;
         }
         writer->bytes = larger;
@@ -163,14 +163,14 @@ static RfResult write_image( Writer* writer, const RfImage* image, const float* 
     if ( writer->show != NULL )
         writer->shown = malloc( 3 * (size_t)image->width * sizeof *writer->shown );
     if ( writer->row == NULL || ( writer->show != NULL && writer->shown == NULL ) )
-        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for a row", writer->name );
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: out of memory for a row", writer->name );
     // libpng reports failures of these two by NULL or through keep_write_error
     if ( setjmp( writer->out ) != 0 )
         return writer->result;
     writer->png = png_create_write_struct( PNG_LIBPNG_VER_STRING, writer, keep_write_error, drop_warning );
     writer->info = writer->png != NULL ? png_create_info_struct( writer->png ) : NULL;
     if ( writer->info == NULL )
-        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", writer->name );
+        return rf_fail( writer->error, RF_ERROR_MEMORY, "%s: out of memory for libpng", writer->name );
     write_rows( writer, image, alpha );
     return RF_OK;
 }
@@ -195,7 +195,7 @@ static RfResult write_file( const Writer* settings, const RfImage* image, const 
         return rf_fail( error, RF_ERROR_USAGE, "%s: an image without pixels cannot be written", path );
     Writer* writer = malloc( sizeof *writer );
     if ( writer == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory writing it", path );
     *writer = *settings;
     RfResult result = rf_open_atomic_file( path, &writer->file, error );
     if ( result == RF_OK )
@@ -230,7 +230,7 @@ RfResult rf_encode_png( const char* name, const RfImage* image, unsigned char** 
 {
     Writer* writer = calloc( 1, sizeof *writer );
     if ( writer == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left to write it", name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory writing it", name );
     writer->name = name;
     writer->fast = true;
     writer->error = error;
@@ -273,7 +273,7 @@ static void read_bytes( png_structp png, png_bytep bytes, size_t size )
 {
     Reader* reader = png_get_io_ptr( png );
     if ( size > reader->in->size - reader->at )
-        png_error( png, "it is cut off" );
+        png_error( png, "truncated" );
     memcpy( bytes, reader->in->bytes + reader->at, size );
     reader->at += size;
 }
@@ -326,7 +326,7 @@ static RfResult read_image( Reader* reader )
     reader->png = png_create_read_struct( PNG_LIBPNG_VER_STRING, reader, keep_error, drop_warning );
     reader->info = reader->png != NULL ? png_create_info_struct( reader->png ) : NULL;
     if ( reader->info == NULL )
-        return rf_fail( reader->error, RF_ERROR_MEMORY, "%s: no memory left for libpng", reader->in->name );
+        return rf_fail( reader->error, RF_ERROR_MEMORY, "%s: out of memory for libpng", reader->in->name );
     reader->result = read_header( reader );
     if ( reader->result == RF_OK )
         read_rows( reader );
@@ -337,7 +337,7 @@ RfResult rf_decode_png( const RfEncoded* in, RfPixels* out, RfError* error )
 {
     Reader* reader = calloc( 1, sizeof *reader );
     if ( reader == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for libpng", in->name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for libpng", in->name );
     reader->in = in;
     reader->out = out;
     reader->error = error;

@@ -142,10 +142,10 @@ static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* fol
             break;
         int frame;
         if ( match_name( parts, entry->d_name, &frame ) && !append( frames, count, &room, frame ) )
-            return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the list of frames", pattern );
+            return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the list of frames", pattern );
     }
     if ( *count == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: there is no such file", pattern );
+        return rf_fail( error, RF_ERROR_IO, "%s: no such file", pattern );
     qsort( *frames, (size_t)*count, sizeof( int ), rf_compare_frames );
     return RF_OK;
 }
@@ -163,7 +163,7 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
     size_t length = (size_t)( parts.base - pattern );
     char* path = malloc( length + 2 );
     if ( path == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the name of its folder", pattern );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the name of its folder", pattern );
     memcpy( path, pattern, length );
     strcpy( path + length, length == 0 ? "." : "" );
     DIR* folder = opendir( path );
@@ -258,7 +258,7 @@ RfResult rf_missing_frames( const int* frames, int count, int** missing, int* mi
         return RF_OK;
     *missing = malloc( (size_t)all * sizeof( int ) );
     if ( *missing == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d missing frames", all );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d missing frames", all );
     for ( int i = 1; i < count; ++i )
         done = add_between( frames[i - 1], frames[i], step, *missing, done );
     *missing_count = done;

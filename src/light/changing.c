@@ -47,7 +47,7 @@ bool rf_lights_change( const RfScene* scene )
     return any;
 }
 
-static RfResult no_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "no memory for lights that change" ); }
+static RfResult no_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "out of memory for lights that change" ); }
 
 // `dim_of`: of each material, its index in changing->dim; −1: it is not there.
 static RfResult list_materials( const RfScene* scene, RfChangingLights* changing, int32_t* dim_of, RfError* error )

@@ -84,7 +84,7 @@ typedef struct RfGroupLights
 // scenes of its `count` frames. Fails with RF_ERROR_MEMORY.
 RfResult rf_create_group_lights( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
                                  RfGroupLights** out, RfError* error );
-// The same for rf_light_part alone: nothing is placed, and no light can be selected.
+// Lights for rf_light_part alone: nothing is placed, and no light can be selected.
 RfResult rf_create_group_parts( const RfLights* still, const RfScene* loaded, int count, const RfLitFrame* frame,
                                 RfGroupLights** out, RfError* error );
 // NULL is allowed.

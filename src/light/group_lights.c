@@ -63,7 +63,7 @@ typedef struct Making
 
 static RfResult no_memory( RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory for the lights of a group of frames" );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the lights of a group of frames" );
 }
 
 static bool is_same( RfVec3 a, RfVec3 b ) { return a.x == b.x && a.y == b.y && a.z == b.z; }

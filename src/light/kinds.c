@@ -21,15 +21,6 @@ static bool shines( RfVec3 v )
     return most > 0.0f && most < INFINITY;
 }
 
-// False if floats do not hold the throughput.
-static bool set_throughput( RfEmission* e, double cosine )
-{
-    double scale = cosine / ( (double)e->pdf_light * (double)e->pdf_area * (double)e->pdf_solid_angle );
-    e->throughput = rf_vec3( (float)( (double)e->radiance.x * scale ), (float)( (double)e->radiance.y * scale ),
-                             (float)( (double)e->radiance.z * scale ) );
-    return shines( e->throughput );
-}
-
 // The direction of this cosine to a unit axis.
 static RfVec3 around( RfVec3 axis, double cosine, float turn )
 {
@@ -74,8 +65,6 @@ static double per_ball( const RfLights* lights ) { return (double)lights->invers
 
 // Emissive triangles.
 
-static bool is_two_sided( const RfLight* light ) { return rf_calls_for( light->two_sided, RF_EFFECT_TWO_SIDED_EMISSION ); }
-
 static double triangle_selection_power( const RfLights* lights, uint32_t number )
 {
     const RfLight* light = lights->light + number;
@@ -100,19 +89,13 @@ static RfTreeLight triangle_bound( const RfLights* lights, uint32_t number )
     return rf_bound_triangle( lights, lights->light + number, number );
 }
 
-static double triangle_power( const RfLights* lights, uint32_t number )
-{
-    const RfLight* light = lights->light + number;
-    return PI * (double)rf_luminance( light->radiance ) * (double)light->area * ( is_two_sided( light ) ? 2.0 : 1.0 );
-}
-
 static bool triangle_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
 {
     const RfLight* light = lights->light + e->light;
     float root = sqrtf( u[0] ), b1 = 1.0f - root, b2 = u[1] * root;
     e->position = rf_add( light->p0, rf_add( rf_scale( light->e1, b1 ), rf_scale( light->e2, b2 ) ) );
     e->normal = light->normal;
-    if ( is_two_sided( light ) )
+    if ( rf_emits_from_both_sides( light ) )
     {
         e->normal = rf_scale( light->normal, side < 0.5f ? 1.0f : -1.0f );
         e->pdf_light *= 0.5f;
@@ -127,29 +110,7 @@ static bool triangle_sample_emitter( const RfLights* lights, const RfScene* scen
 static bool triangle_emit( const RfLights* lights, RfEmission* e )
 {
     (void)lights;
-    float cosine = rf_dot( e->normal, e->direction );
-    e->pdf_solid_angle = cosine * RF_INV_PI;
-    return cosine > 0.0f && set_throughput( e, (double)cosine );
-}
-
-static bool triangle_steer( const RfLights* lights, const float u[2], RfEmission* e )
-{
-    e->direction = around( e->normal, sqrt( 1.0 - (double)u[0] ), u[1] );
-    return triangle_emit( lights, e );
-}
-
-// One side emits unless both do.
-static void triangle_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    const RfLight* light = lights->light + e->light;
-    float cosine = rf_dot( light->normal, e->direction );
-    if ( is_two_sided( light ) )
-    {
-        cosine = fabsf( cosine );
-        e->pdf_light *= 0.5f;
-    }
-    e->pdf_area = light->pdf_area;
-    e->pdf_solid_angle = rf_maxf( cosine, 0.0f ) * RF_INV_PI;
+    return rf_dot( e->normal, e->direction ) > 0.0f;
 }
 
 // Balls and intensity profiles, of point and spot lights.
@@ -167,23 +128,11 @@ static double mean_of( const RfPunctual* lamp ) { return lamp->profile == NULL ?
 
 static double most_of( const RfPunctual* lamp ) { return lamp->profile == NULL ? 1.0 : (double)lamp->profile->most; }
 
-static float profile_pdf( const RfPunctual* lamp, RfVec3 direction )
+// False: nothing is emitted towards e->direction, where a falloff is `part`.
+static bool emit_from( const RfPunctual* lamp, float part, RfEmission* e )
 {
-    return rf_profile_pdf_solid_angle( lamp->profile, rf_into_lamp( lamp, direction ) );
-}
-
-static bool emit_by_profile( const RfPunctual* lamp, RfEmission* e )
-{
-    float part = rf_lamp_falloff( lamp, e->direction ) * facing( lamp, e );
     e->radiance = rf_scale( lamp->intensity, part );
-    e->pdf_solid_angle = profile_pdf( lamp, e->direction );
-    return e->pdf_solid_angle > 0.0f && part > 0.0f && set_throughput( e, 1.0 );
-}
-
-static bool steer_by_profile( const RfPunctual* lamp, const float u[2], RfEmission* e )
-{
-    e->direction = rf_normalize( rf_out_of_lamp( lamp, rf_sample_profile( lamp->profile, u ) ) );
-    return emit_by_profile( lamp, e );
+    return part > 0.0f && shines( e->radiance );
 }
 
 // Its cone: as bright as the most up to the angle where it is half of that.
@@ -224,12 +173,6 @@ static RfTreeLight point_bound( const RfLights* lights, uint32_t light )
     return out;
 }
 
-static double point_power( const RfLights* lights, uint32_t light )
-{
-    const RfPunctual* lamp = rf_punctual_light( lights, light );
-    return 4.0 * PI * luminance_of( lamp ) * mean_of( lamp );
-}
-
 static bool point_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
 {
     (void)scene, (void)side;
@@ -247,40 +190,13 @@ static bool point_sample_emitter( const RfLights* lights, const RfScene* scene, 
     return shines( lamp->intensity );
 }
 
-static void point_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
-    e->pdf_solid_angle = lamp->profile == NULL ? 0.25f * RF_INV_PI : profile_pdf( lamp, e->direction );
-}
-
 static bool point_emit( const RfLights* lights, RfEmission* e )
 {
     const RfPunctual* lamp = rf_punctual_light( lights, e->light );
-    if ( lamp->profile != NULL )
-        return emit_by_profile( lamp, e );
-    float part = facing( lamp, e );
-    e->radiance = rf_scale( lamp->intensity, part );
-    e->pdf_solid_angle = 0.25f * RF_INV_PI;
-    return part > 0.0f && set_throughput( e, 1.0 );
-}
-
-static bool point_steer( const RfLights* lights, const float u[2], RfEmission* e )
-{
-    const RfPunctual* lamp = rf_punctual_light( lights, e->light );
-    if ( lamp->profile != NULL )
-        return steer_by_profile( lamp, u, e );
-    e->direction = around( rf_vec3( 0, 0, 1 ), 1.0 - 2.0 * (double)u[0], u[1] );
-    return point_emit( lights, e );
+    return emit_from( lamp, rf_lamp_falloff( lamp, e->direction ) * facing( lamp, e ), e );
 }
 
 // Spot lights: point lights with a cone.
-
-// The integral of the falloff over the cosines to the axis: solid angle over 2π.
-static double spot_integral( const RfPunctual* spot )
-{
-    double outer = (double)spot->cos_outer, blend = (double)rf_spot_blend( spot ), most = fmin( 1.0, ( 1.0 - outer ) / blend );
-    return blend * most * most * most / 3.0 + fmax( 1.0 - outer - blend, 0.0 );
-}
 
 // The falloff is taken for half on average between the cones.
 static double spot_selection_power( const RfLights* lights, uint32_t light )
@@ -299,49 +215,8 @@ static RfTreeLight spot_bound( const RfLights* lights, uint32_t light )
     return out;
 }
 
-static double spot_power( const RfLights* lights, uint32_t light )
-{
-    const RfPunctual* spot = rf_punctual_light( lights, light );
-    return fmin( 2.0 * PI * spot_integral( spot ) * most_of( spot ), 4.0 * PI * mean_of( spot ) ) * luminance_of( spot );
-}
-
-static bool spot_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
-{
-    return point_sample_emitter( lights, scene, side, u, e );
-}
-
-static bool spot_emit( const RfLights* lights, RfEmission* e )
-{
-    const RfPunctual* spot = rf_punctual_light( lights, e->light );
-    if ( spot->profile != NULL )
-        return emit_by_profile( spot, e );
-    float falloff = rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ), part = falloff * facing( spot, e );
-    e->radiance = rf_scale( spot->intensity, part );
-    e->pdf_solid_angle = (float)( (double)falloff / ( 2.0 * PI * spot_integral( spot ) ) );
-    return part > 0.0f && set_throughput( e, 1.0 );
-}
-
-// In proportion to the falloff, whose integral is a cubic and then a line.
-static bool spot_steer( const RfLights* lights, const float u[2], RfEmission* e )
-{
-    const RfPunctual* spot = rf_punctual_light( lights, e->light );
-    if ( spot->profile != NULL )
-        return steer_by_profile( spot, u, e );
-    double blend = (double)rf_spot_blend( spot ), at = (double)u[0] * spot_integral( spot ), flat = at - blend / 3.0;
-    double cosine = (double)spot->cos_outer + ( flat < 0.0 ? blend * cbrt( 3.0 * at / blend ) : blend + flat );
-    e->direction = around( spot->direction, fmin( cosine, 1.0 ), u[1] );
-    return spot_emit( lights, e );
-}
-
-static void spot_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    const RfPunctual* spot = rf_punctual_light( lights, e->light );
-    if ( spot->profile != NULL )
-        e->pdf_solid_angle = profile_pdf( spot, e->direction );
-    else
-        e->pdf_solid_angle = (float)( (double)rf_spot_falloff( spot, rf_dot( spot->direction, e->direction ) ) /
-                                      ( 2.0 * PI * spot_integral( spot ) ) );
-}
+#define spot_sample_emitter point_sample_emitter
+#define spot_emit point_emit
 
 // Planes: rectangles and ellipses. Each of their points is a light of its own.
 
@@ -368,11 +243,6 @@ static RfTreeLight plane_bound( const RfLights* lights, uint32_t light )
     return out;
 }
 
-static double plane_power( const RfLights* lights, uint32_t light )
-{
-    return PI * luminance_of( rf_punctual_light( lights, light ) );
-}
-
 static bool plane_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
 {
     (void)scene, (void)side;
@@ -391,45 +261,12 @@ static bool plane_sample_emitter( const RfLights* lights, const RfScene* scene, 
 static bool plane_emit( const RfLights* lights, RfEmission* e )
 {
     const RfPunctual* plane = rf_punctual_light( lights, e->light );
-    float cosine = rf_dot( plane->direction, e->direction ), part = cosine * rf_spread_falloff( plane, cosine );
+    float cosine = rf_dot( plane->direction, e->direction );
     e->normal = e->direction;
-    e->radiance = rf_scale( plane->intensity, part );
-    e->pdf_solid_angle = cosine * RF_INV_PI;
-    return part > 0.0f && set_throughput( e, 1.0 );
+    return emit_from( plane, cosine * rf_spread_falloff( plane, cosine ), e );
 }
 
-static bool plane_steer( const RfLights* lights, const float u[2], RfEmission* e )
-{
-    e->direction = around( rf_punctual_light( lights, e->light )->direction, sqrt( 1.0 - (double)u[0] ), u[1] );
-    return plane_emit( lights, e );
-}
-
-static void plane_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    e->pdf_solid_angle = rf_maxf( rf_dot( rf_punctual_light( lights, e->light )->direction, e->direction ), 0.0f ) * RF_INV_PI;
-}
-
-// Directional lights. Like those of the sky, their rays start on the disc that covers the scene's bounding ball.
-
-static double disc_area( const RfLights* lights ) { return PI * (double)lights->radius * (double)lights->radius; }
-
-// The disc lies a little before all that can be in the way.
-static bool steer_on_disc( const RfLights* lights, const float u[2], RfEmission* e )
-{
-    RfVec3 t, b;
-    rf_basis( e->direction, &t, &b );
-    float r = lights->radius * sqrtf( u[0] ), phi = 2.0f * RF_PI * u[1];
-    RfVec3 p = rf_madd( rf_madd( lights->center, t, r * cosf( phi ) ), b, r * sinf( phi ) );
-    e->position = rf_madd( p, e->direction, -1.01f * lights->reach );
-    e->pdf_area = (float)( 1.0 / disc_area( lights ) );
-    return set_throughput( e, 1.0 );
-}
-
-static float disc_pdf( const RfLights* lights, RfVec3 position, RfVec3 direction )
-{
-    RfVec3 across = rf_cross( rf_sub( lights->center, position ), direction );
-    return rf_dot( across, across ) <= lights->radius * lights->radius ? (float)( 1.0 / disc_area( lights ) ) : 0.0f;
-}
+// Directional lights.
 
 static double directional_selection_power( const RfLights* lights, uint32_t light )
 {
@@ -457,11 +294,6 @@ static RfTreeLight directional_bound( const RfLights* lights, uint32_t light )
     return out;
 }
 
-static double directional_power( const RfLights* lights, uint32_t light )
-{
-    return disc_area( lights ) * luminance_of( rf_punctual_light( lights, light ) );
-}
-
 static bool directional_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2],
                                         RfEmission* e )
 {
@@ -481,14 +313,7 @@ static bool directional_sample_emitter( const RfLights* lights, const RfScene* s
     return shines( e->radiance );
 }
 
-static bool directional_steer( const RfLights* lights, const float u[2], RfEmission* e ) { return steer_on_disc( lights, u, e ); }
-
 #define directional_emit NULL
-
-static void directional_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    e->pdf_area = disc_pdf( lights, e->position, e->direction );
-}
 
 // The sky.
 
@@ -500,12 +325,6 @@ static double sky_selection_power( const RfLights* lights, uint32_t light )
 }
 
 #define sky_bound NULL
-
-static double sky_power( const RfLights* lights, uint32_t light )
-{
-    (void)light;
-    return 4.0 * PI * (double)lights->sky.mean_luminance * disc_area( lights );
-}
 
 // By two numbers: within a pixel of the map by a hash of them.
 static bool sky_sample_emitter( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e )
@@ -523,18 +342,9 @@ static bool sky_sample_emitter( const RfLights* lights, const RfScene* scene, fl
     return shines( e->radiance );
 }
 
-static bool sky_steer( const RfLights* lights, const float u[2], RfEmission* e ) { return steer_on_disc( lights, u, e ); }
-
 #define sky_emit NULL
 
-static void sky_find_pdf( const RfLights* lights, RfEmission* e )
-{
-    e->pdf_solid_angle = rf_sky_pdf_solid_angle( &lights->sky, rf_scale( e->direction, -1.0f ) );
-    e->pdf_area = disc_pdf( lights, e->position, e->direction );
-}
-
 #define ROW( NAME, name, needs_light_paths )                                                                                     \
-    [RF_LIGHT_##NAME] = { name##_selection_power, name##_bound, name##_power,   name##_sample_emitter,                           \
-                          name##_steer,           name##_emit,  name##_find_pdf },
+    [RF_LIGHT_##NAME] = { name##_selection_power, name##_bound, name##_sample_emitter, name##_emit },
 
 const RfLightModel g_rf_light_models[] = { RF_LIGHT_KINDS( ROW ) };

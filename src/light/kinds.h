@@ -12,16 +12,10 @@ typedef struct RfLightModel
     double ( *selection_power )( const RfLights* lights, uint32_t light );
     // Bounds, cone and intensity for the light tree, in radii of the ball. NULL: it competes with the root of the tree.
     RfTreeLight ( *bound )( const RfLights* lights, uint32_t light );
-    // rf_light_power.
-    double ( *power )( const RfLights* lights, uint32_t light );
-    // rf_sample_emitter_of, after range, light and pdf_light have been set.
+    // rf_sample_emitter, after range, light and pdf_light have been set.
     bool ( *sample_emitter )( const RfLights* lights, const RfScene* scene, float side, const float u[2], RfEmission* e );
-    // Draws what steers the ray, two numbers, and finds its emission.
-    bool ( *steer )( const RfLights* lights, const float u[2], RfEmission* e );
     // rf_emit_towards, after the direction has been set. NULL: at infinity.
     bool ( *emit )( const RfLights* lights, RfEmission* e );
-    // rf_find_emission_pdf, after pdf_light has been set, and the other densities to 1.
-    void ( *find_pdf )( const RfLights* lights, RfEmission* e );
 } RfLightModel;
 
 extern const RfLightModel g_rf_light_models[];

@@ -54,7 +54,7 @@ RfResult rf_build_alias( RfLights* lights, const double* powers, double total, R
     {
         free( scaled );
         free( work );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the alias table of %u lights", n );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the alias table of %u lights", n );
     }
     // small columns from the front of `work`, large ones from the back
     uint32_t small = 0, large = n;
@@ -139,7 +139,7 @@ static RfResult create_light_tree( RfLights* lights, RfError* error )
     uint32_t all = lights->count - rf_has_sky( lights ), count = 0, skipped = 0;
     RfTreeLight* leaves = malloc( (size_t)( all + 1 ) * sizeof *leaves );
     if ( leaves == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", all );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a tree of %u lights", all );
     double sum = rf_has_sky( lights ) && changing == NULL ? 3.14159265358979324 * (double)lights->sky.mean_luminance : 0.0;
     for ( uint32_t i = 0; i < all; ++i )
     {
@@ -175,7 +175,7 @@ static RfResult fill_lights( const RfScene* scene, uint32_t moving, bool selects
 {
     double* powers = malloc( capacity * sizeof *powers );
     if ( powers == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %u lights", capacity );
     double total = lights->of_triangle != NULL ? fill_triangles( scene, lights, powers ) : 0.0;
     append_moving_triangles( moving, lights, powers );
     total += append_non_area_lights( lights, powers );
@@ -214,7 +214,7 @@ static RfResult alloc_lights( const RfScene* scene, RfLights* lights, uint32_t e
     }
     lights->power_fraction = malloc( capacity * sizeof *lights->power_fraction );
     if ( !complete || lights->power_fraction == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %u lights", capacity );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %u lights", capacity );
     return RF_OK;
 }
 
@@ -262,7 +262,7 @@ RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfL
     lights->part = calloc( (size_t)lights->count + 1, sizeof *lights->part );
     lights->material_part = calloc( (size_t)scene->material_count + 1, sizeof *lights->material_part );
     if ( lights->part == NULL || lights->material_part == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the groups of %u lights", lights->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the groups of %u lights", lights->count );
     lights->group_count = groups->count;
     lights->dimmed_count = groups->count - 1;
     for ( int part = 0; part < groups->count; ++part )

@@ -122,7 +122,7 @@ RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfL
 // Frees what it has allocated.
 void rf_join_lights( RfLights* lights );
 
-// The base part of a light group, and the other way round.
+// The base part of a light group, and the group of a base part.
 static inline int rf_part_of_group( int group, int count ) { return ( group + 1 ) % count; }
 static inline int rf_group_of_part( int base, int count ) { return ( base + count - 1 ) % count; }
 
@@ -212,7 +212,7 @@ typedef struct RfLightSelection
 // are the same for all cameras that see x. `count` must not be 0.
 RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
 
-// The same for arrays of points.
+// Selects lights for arrays of points, with the results of rf_select_light.
 void rf_select_lights( const RfLights* lights, RfLightSampling sampling, int count, const float* const x[3],
                        const float* const n[3], const uint32_t* const bits[2], RfLightSelection* selection );
 

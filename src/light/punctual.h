@@ -16,17 +16,11 @@ static inline float rf_spot_falloff( const RfPunctual* p, float cos_axis )
     return t * t;
 }
 
-// A direction in the frame of a lamp that is turned, and back.
+// A direction in the frame of a lamp that is turned.
 static inline RfVec3 rf_into_lamp( const RfPunctual* p, RfVec3 d )
 {
     RfVec3 up = rf_cross( p->across, p->direction );
     return rf_vec3( rf_dot( p->across, d ), rf_dot( up, d ), -rf_dot( p->direction, d ) );
-}
-
-static inline RfVec3 rf_out_of_lamp( const RfPunctual* p, RfVec3 d )
-{
-    RfVec3 up = rf_cross( p->across, p->direction );
-    return rf_add( rf_scale( p->across, d.x ), rf_add( rf_scale( up, d.y ), rf_scale( p->direction, -d.z ) ) );
 }
 
 // What the intensity of a point or spot light is multiplied by in a unit direction.

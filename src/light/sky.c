@@ -283,8 +283,8 @@ RfResult rf_make_sky( const RfEnvironment* e, RfSky* sky, RfError* error )
     if ( e->map != NULL && !make_tables( sky, e ) )
     {
         rf_destroy_sky( sky );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the distribution of an environment of %d x %d pixels", e->width,
-                        e->height );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the distribution of an environment of %d x %d pixels",
+                        e->width, e->height );
     }
     if ( !( sky->mean_luminance > 0.0f ) )
     {

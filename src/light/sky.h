@@ -68,9 +68,8 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi );
 // A direction of the sphere. `bits` select the pixel. `u`: two uniform numbers in [0, 1) for the point within it.
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] );
 
-// The same for a surface that is lit from the side of its unit normal n: in proportion to a bound of radiance times cosine.
-// The density is above 0 wherever both are. The radiance of the sample is left 0: most directions are never asked for it. A density
-// of 0: nothing arrives.
+// Directions to a surface that is lit from the side of its unit normal n, in proportion to a bound of radiance times cosine, with a
+// density above 0 wherever both are; 0: nothing arrives. The radiance of the sample is left 0: few directions are asked for it.
 float rf_sky_pdf_solid_angle_at( const RfSky* sky, RfVec3 n, RfVec3 wi );
 RfSkySample rf_sample_sky_direction_at( const RfSky* sky, RfVec3 n, const uint32_t bits[2], const float u[2] );
 

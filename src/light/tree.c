@@ -413,7 +413,7 @@ RfResult rf_build_light_tree( RfTreeLight* lights, uint32_t count, uint32_t numb
     if ( tree->leaf_slot == NULL || !build_node( &builder, &all, 0, 0, &root ) )
     {
         rf_destroy_light_tree( tree );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a tree of %u lights", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a tree of %u lights", count );
     }
     return RF_OK;
 }

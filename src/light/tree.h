@@ -53,7 +53,7 @@ typedef struct RfLightTree
     uint32_t node_capacity;
     RfLightNode* nodes;
     uint32_t* parent_slot; // of each node: its parent's number times RF_LIGHT_CHILDREN plus its slot there
-    uint32_t* leaf_slot;   // the same for each light; RF_NO_LIGHT: it is not in the tree
+    uint32_t* leaf_slot;   // of each light; RF_NO_LIGHT: it is not in the tree
 } RfLightTree;
 
 // Builds the tree over `count` ≥ 1 lights, which it reorders; their numbers are

@@ -29,7 +29,7 @@ typedef struct RfConnectionLanes
     float area[RF_LANES];              // its area (rf_own_weight)
     uint32_t found[RF_LANES];          // connections
     uint64_t rays;                     // traced, counted up
-    uint64_t all_rays;                 // likewise, over all vertices
+    uint64_t all_rays;                 // over all vertices
     uint64_t trials;                   // of the normalisation, counted up
     uint64_t searched;                 // vertices, counted up
     RfTrail trail[RF_LANES];           // by slot

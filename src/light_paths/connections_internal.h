@@ -83,7 +83,6 @@ struct RfConnectionWork
 
 static inline RfVec3 rf_lane_of( const float ( *array )[RF_LANES], int i ) { return RF_GET3( array, i ); }
 
-// Shadow rays start there as well.
 static inline RfVec3 rf_start_of( const RfVertexLanes* v, int i )
 {
     return rf_madd( rf_lane_of( v->p, i ), rf_lane_of( v->ng, i ), v->offset[i] );

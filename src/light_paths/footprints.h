@@ -36,7 +36,7 @@ typedef struct RfFootprintTree
     uint32_t count;
     uint32_t node_count;
     uint32_t* order;       // as many as boxes
-    RfFootprintNode* node; // likewise
+    RfFootprintNode* node; // as many as boxes
 } RfFootprintTree;
 
 // Builds the tree over its boxes.

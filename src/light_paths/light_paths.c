@@ -421,7 +421,7 @@ static bool emit( const RfEstimatorGroup* group, const RfLightPaths* paths, RfRa
     RfVec3 to = sample_surface( paths, group->tracer, shift, key, number, triangle );
     uint32_t light = paths->light[select_by( paths->light_cumulative, paths->light_count, (double)u[0] )];
     float pdf = lights->power_fraction[light] / (float)paths->light_cumulative[paths->light_count - 1];
-    if ( !rf_sample_emitter_of( lights, rf_tracer_scene( group->tracer ), light, pdf, u[1], u + 2, e ) )
+    if ( !rf_sample_emitter( lights, rf_tracer_scene( group->tracer ), light, pdf, u[1], u + 2, e ) )
         return false;
     if ( !e->infinite )
     {

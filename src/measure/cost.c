@@ -423,7 +423,7 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     CostStudy* s = calloc( 1, sizeof *s );
     *cost = ( RfCost ){ .positions = 0 };
     if ( s == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory trying settings" );
     *s = ( CostStudy ){ .job = job,
                         .cost = cost,
                         .runs = { .shot = job->shot, .watch = job->watch, .deadline = job->deadline },

@@ -324,7 +324,7 @@ RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* cons
     int height = frames[0]->signal.height;
     RfSpectrumSums* rows = calloc( (size_t)height, sizeof *rows );
     if ( rows == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d rows", height );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory measuring %d rows", height );
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < height; ++y )
     {
@@ -416,7 +416,7 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
         return RF_OK;
     RfFlickerSums* rows = calloc( (size_t)height, sizeof *rows );
     if ( rows == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d rows", height );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory measuring %d rows", height );
     Pair pair = { rf_follow( now, before, compensate ), has_error };
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < height; ++y )

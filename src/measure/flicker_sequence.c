@@ -259,7 +259,7 @@ static RfResult read_layers( const char* path, const RfFlickerLayers* layers, co
         size_t pixels = (size_t)window.width * (size_t)window.height;
         values[k] = has[k] ? select_channels( all, pixels, wanted.count, where[k], counts[k] ) : NULL;
         if ( has[k] && values[k] == NULL )
-            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its layers", path );
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its layers", path );
     }
     free( all );
     frame->motion = values[0];
@@ -396,7 +396,7 @@ static RfResult begin( RfFlickerRun* run, RfError* error )
     run->ring_size = run->has_spectrum ? run->window : 2;
     run->pairs = calloc( (size_t)run->frame_count, sizeof *run->pairs );
     if ( run->pairs == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d frames", run->frame_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d frames", run->frame_count );
     return rf_create_summary( run->first.width, run->first.height, run->frame_count, &run->summary, error );
 }
 

@@ -116,7 +116,7 @@ RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* s
     if ( summary->worst != NULL && summary->block_sums != NULL && summary->below != NULL )
         return RF_OK;
     rf_destroy_summary( summary );
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left to measure %d frames of %dx%d pixels", frames, width, height );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory measuring %d frames of %dx%d pixels", frames, width, height );
 }
 
 void rf_destroy_summary( RfErrorSummary* summary )

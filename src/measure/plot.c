@@ -346,14 +346,14 @@ RfResult rf_draw_plot( const RfPlot* plot, char** svg, size_t* size, RfError* er
     *svg = NULL;
     FILE* file = open_memstream( svg, size );
     if ( file == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the plot" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the plot" );
     draw( file, plot );
     bool failed = ferror( file ) != 0;
     if ( fclose( file ) != 0 || failed )
     {
         free( *svg );
         *svg = NULL;
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the plot" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the plot" );
     }
     return RF_OK;
 }

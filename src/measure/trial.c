@@ -104,7 +104,7 @@ static RfResult render_metered( const RfTestRegion* region, int first, int eye_c
     RfRenderCallbacks callbacks = { .user = &m, .frame = on_frame, .progress = on_progress };
     int* frames = malloc( (size_t)eye_count * sizeof *frames );
     if ( frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %d frames", eye_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a list of %d frames", eye_count );
     for ( int i = 0; i < eye_count; ++i )
         frames[i] = i;
     Clock start = { 0.0, cpu_seconds( &m ) };
@@ -426,7 +426,7 @@ RfResult rf_create_test_region( const RfShot* shot, const RfTrialWatch* watch, c
     size_t slots = (size_t)region->pieces.first_slot[region->frames];
     region->weight = malloc( ( slots + 1 ) * RF_CELL_PIXELS * sizeof *region->weight );
     if ( region->weight == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings on %d frames", region->frames );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory trying settings on %d frames", region->frames );
     return render_pilot( region, settings, error );
 }
 
@@ -513,7 +513,7 @@ RfResult rf_run_trial( const RfTestRegion* region, int groups, int passes, const
     pair.rgb = malloc( ( s.clamp != 0.0 ? 2 : 1 ) * values * sizeof( float ) );
     pair.removed = s.clamp != 0.0 && pair.rgb != NULL ? pair.rgb + values : NULL;
     if ( pair.rgb == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try groups of %d frames", eyes );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory trying groups of %d frames", eyes );
     RfResult result = RF_OK;
     for ( int w = 0; w < count && result == RF_OK; ++w )
         result = try_group( region, first + w * eyes, &s, &pair, error );

@@ -72,7 +72,7 @@ static void number_slots( RfTestPieces* p, const uint8_t* target )
 
 static RfResult fail_memory( int frames, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for pieces of %d frames", frames );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for pieces of %d frames", frames );
 }
 
 #define LEAST_CROP_SIDE 32 // of a window, pixels
@@ -147,7 +147,7 @@ RfResult rf_choose_crops( const RfEye* eyes, int frames, double pixels, uint64_t
         return result;
     *crops = malloc( RF_CROPS * sizeof **crops );
     if ( *crops == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for windows of %d frames", frames );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for windows of %d frames", frames );
     uint64_t random = rf_mix64( seed );
     double at[2] = { (double)( random >> 32 ) * 0x1p-32, (double)( random & 0xffffffffu ) * 0x1p-32 };
     for ( int i = 0; i < RF_CROPS; ++i )

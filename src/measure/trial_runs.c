@@ -67,10 +67,7 @@ static RfResult run_tasks( RfTrialRuns* runs, int count, RfResult ( *task )( RfT
     return first;
 }
 
-static RfResult fail_memory( RfError* error )
-{
-    return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
-}
+static RfResult fail_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "out of memory trying settings" ); }
 
 static void free_trials( RfTrialRuns* runs )
 {

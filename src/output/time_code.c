@@ -49,7 +49,7 @@ RfResult rf_parse_time_code( const char* text, RfFps fps, RfTimeCodeRate* rate, 
         return rf_fail( error, RF_ERROR_USAGE, "expected HH:MM:SS:FF, as 01:00:00:00, got '%.40s'", text );
     double per_second = (double)fps.numerator / fps.denominator;
     if ( rate->frames == 0 )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no time code of %g frames per second: leave it out", per_second );
+        return rf_fail( error, RF_ERROR_USAGE, "no time code of %g frames per second: leave it out", per_second );
     if ( field[3] >= rate->frames )
         return rf_fail( error, RF_ERROR_USAGE, "%s: at %g frames per second the last number is %02d", text, per_second,
                         rate->frames - 1 );
@@ -60,8 +60,8 @@ RfResult rf_parse_time_code( const char* text, RfFps fps, RfTimeCodeRate* rate, 
                         text + 9 );
     int minutes = 60 * field[0] + field[1], drop = dropped( *rate );
     if ( field[1] % 10 != 0 && field[2] == 0 && field[3] < drop )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: is a number that is dropped: the minute begins with %.9s%02d", text, text,
-                        drop );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: is dropped in drop-frame time code: the minute begins with %.9s%02d", text,
+                        text, drop );
     *frames = ( 60 * (int64_t)minutes + field[2] ) * rate->frames + field[3] - (int64_t)drop * ( minutes - minutes / 10 );
     return RF_OK;
 }

@@ -515,7 +515,7 @@ static RfResult wrap_track( RfCameraTrack* track, const char* name, RfCamera* ca
         free( camera->track );
         *camera = ( RfCamera ){ 0 };
         rf_destroy_camera_track( track );
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", name );
     }
     *camera->track = *track;
     camera->animated = track->end > track->start;

@@ -50,8 +50,8 @@ typedef struct RfCameraSampling
 // The camera at frame `frame` of its path, counted from 0: a pinhole that stands still. It is that of the shot which the frame is in.
 RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 
-// The same with lens and shutter, which does not reach into other shots: there its own goes on as a path does beyond its ends, and
-// what moves is blurred up to there. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
+// The camera at a frame with lens and shutter, which ends where the shot does: beyond, the path is extrapolated, and what moves is
+// blurred up to there. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
 // exist or is not before the camera; with RF_ERROR_USAGE where a focus is asked for but there is no aperture.
 RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 

@@ -110,7 +110,7 @@ RfResult rf_bound_chains( const RfScene* scene, RfChainBounds* bounds, RfError* 
         return RF_OK;
     uint32_t* triangle = malloc( found * sizeof *triangle );
     if ( triangle == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the bounds of %u triangles of mirrors and glass", found );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the bounds of %u triangles of mirrors and glass", found );
     Part parts[RF_MAX_CHAIN_BOUNDS] = { { .begin = 0, .end = found } };
     rf_list_triangles( scene, is_chain, triangle );
     bound( scene, triangle, parts );

@@ -16,8 +16,8 @@ typedef struct RfMorphTarget
     uint32_t count;
     uint32_t* vertices; // ascending
     float* positions;   // 3 × count, or NULL: it leaves them as they are
-    float* normals;     // likewise
-    float* tangents;    // likewise; directions alone
+    float* normals;     // 3 × count, or NULL
+    float* tangents;    // directions alone, 3 × count, or NULL
 } RfMorphTarget;
 
 typedef struct RfDeformation
@@ -25,7 +25,7 @@ typedef struct RfDeformation
     int influences;   // joints of a vertex, at most 8; 0: no skin
     int joint_count;  // 1 + the highest number of a joint
     uint16_t* joints; // influences × vertex_count
-    float* weights;   // likewise; those of a vertex sum to 1
+    float* weights;   // influences × vertex_count; those of a vertex sum to 1
     int target_count;
     RfMorphTarget* targets;
     bool* flat; // of a vertex: it belongs to one triangle, whose normal it has; NULL: none

@@ -58,9 +58,9 @@ static RfResult fail_unknown( const char* word, size_t length, RfError* error )
     snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
     const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_EFFECT_COUNT ) : NULL;
     if ( nearest != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "'%s' is no effect, did you mean %s?", copy, nearest );
+        return rf_fail( error, RF_ERROR_USAGE, "unknown effect '%s', did you mean %s?", copy, nearest );
     rf_format_effects( ( RF_EFFECT_BIT( RF_EFFECT_COUNT - 1 ) - 1 ) * 2 + 1, all, sizeof all );
-    return rf_fail( error, RF_ERROR_USAGE, "'%s' is no effect, there are %s", copy, all );
+    return rf_fail( error, RF_ERROR_USAGE, "unknown effect '%s', expected %s", copy, all );
 }
 
 RfResult rf_parse_effects( const char* text, uint64_t* effects, RfError* error )

@@ -70,7 +70,7 @@ static RfResult find_tilt( Reader* r, bool* included )
         ++r->line;
     }
     if ( r->end - r->at < 5 )
-        return rf_fail( r->error, RF_ERROR_FORMAT, "%s: it is no IES file: no line begins with TILT=", r->path );
+        return rf_fail( r->error, RF_ERROR_FORMAT, "%s: not an IES file: no line begins with TILT=", r->path );
     const char *word = r->at + 5, *end = memchr( word, '\n', (size_t)( r->end - word ) );
     r->at = end != NULL ? end : r->end;
     size_t length = (size_t)( r->at - word );
@@ -138,7 +138,7 @@ static RfResult read_table( Reader* r, RfProfileTable* t, double factor )
     t->horizontal = malloc( (size_t)t->columns * sizeof *t->horizontal );
     t->value = malloc( (size_t)( t->rows * t->columns ) * sizeof *t->value );
     if ( t->vertical == NULL || t->horizontal == NULL || t->value == NULL )
-        return rf_fail( r->error, RF_ERROR_MEMORY, "%s: no memory for its %d intensities", r->path, t->rows * t->columns );
+        return rf_fail( r->error, RF_ERROR_MEMORY, "%s: out of memory for its %d intensities", r->path, t->rows * t->columns );
     RfResult result = read_numbers( r, "a vertical angle", 1.0, t->rows, t->vertical );
     if ( result == RF_OK )
         result = read_numbers( r, "a horizontal angle", 1.0, t->columns, t->horizontal );

@@ -26,7 +26,7 @@ static RfResult widen( const char* where, const RfPixels* pixels, bool srgb, RfT
     const uint16_t* from = pixels->data;
     out->floats = malloc( count * sizeof *out->floats );
     if ( out->floats == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", where );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", where );
     for ( size_t i = 0; i < count; ++i )
     {
         float value = (float)from[i] / 65535.0f;

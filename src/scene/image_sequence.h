@@ -26,7 +26,7 @@ typedef struct RfImageSequence
     bool srgb;
     char* pattern; // owned: the path, with a run of # for the number
     int first, last;
-    double start;   // seconds of the scene, at which the first is shown; it is before, too
+    double start;   // seconds of the scene up to which, and from which on, the first is shown
     double fps;     // images per second
     bool loops;     // it begins again after the last, which else stays
     double most;    // limit of the values of a pixel

@@ -17,7 +17,7 @@ static const RfVec3 s_black = { 0.0f, 0.0f, 0.0f };
 static RfResult make_flat( RfTriangles* t, RfError* error )
 {
     if ( !rf_spread_vertices( t ) )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the vertices of %u triangles", t->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the vertices of %u triangles", t->count );
     for ( uint32_t i = 0; i < t->count; ++i )
     {
         const float* p = t->positions + 9 * (size_t)i;

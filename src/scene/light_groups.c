@@ -311,7 +311,7 @@ static RfResult group_lights( const Grouping* g, const char* asked )
     out->punctual = malloc( (size_t)g->scene->punctual_count + 1 );
     out->material = malloc( (size_t)g->scene->material_count + 1 );
     if ( g->shines == NULL || g->group == NULL || out->punctual == NULL || out->material == NULL || !mark_shining( g ) )
-        return rf_fail( g->error, RF_ERROR_MEMORY, "%s: no memory left for its light groups", g->scene->path );
+        return rf_fail( g->error, RF_ERROR_MEMORY, "%s: out of memory for its light groups", g->scene->path );
     bool lamps = strcmp( asked, "lamps" ) == 0;
     RfResult result = lamps || strcmp( asked, "all" ) == 0 ? group_all( g, lamps ) : group_names( g, asked );
     return result == RF_OK ? finish( g ) : result;

@@ -93,7 +93,7 @@ typedef struct Merge
 
 static RfResult no_memory( const Merge* m )
 {
-    return rf_fail( m->error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", m->placed->path );
+    return rf_fail( m->error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", m->placed->path );
 }
 
 // `list` with the items of another after its own; NULL: there is no memory, and `list` is as it was.

@@ -186,7 +186,7 @@ RfResult rf_find_mirrors( const RfScene* scene, RfMirrors* mirrors, RfError* err
     if ( enough )
         return RF_OK;
     rf_destroy_mirrors( mirrors );
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory for the mirrors among %u triangles", most );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the mirrors among %u triangles", most );
 }
 
 void rf_destroy_mirrors( RfMirrors* mirrors )

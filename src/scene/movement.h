@@ -137,7 +137,7 @@ typedef struct RfChangedTraits
     double low, high; // of each component
     unsigned flags;
     const char* word;           // what changes are called; NULL: there are none, or as the texture
-    double file_low, file_high; // the range in scene files; both 0: as above
+    double file_low, file_high; // the range in scene files; both 0: low to high
 } RfChangedTraits;
 
 const RfChangedTraits* rf_changed_traits( RfChangedValue value );
@@ -231,7 +231,7 @@ RfMovement* rf_open_movement( RfScene* scene );
 // Gives the scene a change, with its keys, and widens the span of its movement. False: there is no memory, and the keys are freed.
 bool rf_add_change( RfScene* scene, RfChange* change );
 
-// Likewise a sequence, which the scene then owns.
+// Gives the scene a sequence, which it then owns. False: there is no memory.
 bool rf_add_sequence( RfScene* scene, struct RfImageSequence* sequence );
 
 // Destroys the movement where nothing moves or changes.

@@ -140,7 +140,7 @@ static RfResult index_placements( RfScene* scene, RfError* error )
     free( scene->placement_blocks );
     scene->placement_blocks = malloc( ( (size_t)blocks + 1 ) * sizeof *scene->placement_blocks );
     if ( scene->placement_blocks == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d instances", scene->placement_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d instances", scene->placement_count );
     for ( uint32_t b = 0; b < blocks; ++b )
     {
         uint64_t first = scene->triangles.count + ( (uint64_t)b << scene->placement_shift );

@@ -291,8 +291,7 @@ static RfResult pose_mover( Posing* p, int i )
 
 static RfResult no_memory( const RfScene* scene, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left for what moves: close other programs",
-                    scene->path );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory posing what moves: close other programs", scene->path );
 }
 
 RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, RfError* error )

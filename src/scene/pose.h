@@ -43,15 +43,12 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
 
 void rf_destroy_pose( RfPosedScene* pose );
 
-// Whether anything that moves or changes differs between two times: it is shown at one of them only, or elsewhere, or in another
-// shape, light or material.
-// True as well if there is no memory to find out.
+// Whether anything differs between two times: visibility, place, shape, light or material. True if there is no memory to find out.
 bool rf_scene_moves( const RfScene* scene, double t0, double t1 );
-// The same of surfaces alone: lamps, materials and the sky do not count.
+// Whether the visibility, place or shape of a surface differs.
 bool rf_surfaces_move( const RfScene* scene, double t0, double t1 );
 
-// A hash of how all that moves and changes is at a time, for fingerprints; without movement, the same for all times. It
-// is that of a pose, at a fraction of its cost. Fails with RF_ERROR_MEMORY.
+// A hash of how all that moves and changes is at a time: that of a pose, at a fraction of its cost. Fails with RF_ERROR_MEMORY.
 RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfError* error );
 
 #endif

@@ -26,7 +26,7 @@ static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunc
         at[c] = m[12 + c] - origin[c];
         // written so that NaN fails
         if ( !( fabs( at[c] ) <= RF_MAX_COORDINATE ) )
-            return "it lies too far out: scale the scene down";
+            return "it is too far from the origin: scale the scene down";
     }
     out->position = rf_vec3( (float)at[0], (float)at[1], (float)at[2] );
     if ( out->kind == RF_PUNCTUAL_POINT && !out->turned )

@@ -1,4 +1,4 @@
-// Tables of intensity over two angles: symmetric parts expanded, looked up, sampled.
+// Tables of intensity over two angles: symmetric parts expanded, looked up.
 #include "scene/profile.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 
 static RfResult no_memory( const char* path, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory for its table of intensities", path );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its table of intensities", path );
 }
 
 void rf_release_profile( RfProfile* profile )
@@ -22,8 +22,6 @@ void rf_release_profile( RfProfile* profile )
     free( profile->vertical );
     free( profile->horizontal );
     free( profile->value );
-    free( profile->share );
-    free( profile->within );
     free( profile );
 }
 
@@ -112,9 +110,7 @@ static RfResult fill_columns( const char* path, const RfProfileTable* t, const T
     p->vertical = malloc( rows * sizeof *p->vertical );
     p->horizontal = malloc( columns * sizeof *p->horizontal );
     p->value = malloc( rows * columns * sizeof *p->value );
-    p->share = malloc( columns * sizeof *p->share );
-    p->within = malloc( rows * columns * sizeof *p->within );
-    if ( p->vertical == NULL || p->horizontal == NULL || p->value == NULL || p->share == NULL || p->within == NULL )
+    if ( p->vertical == NULL || p->horizontal == NULL || p->value == NULL )
         return no_memory( path, error );
     for ( size_t r = 0; r < rows; ++r )
         p->vertical[r] = (float)( t->vertical[r] * DEGREE );
@@ -147,21 +143,15 @@ static double cell_mean( const RfProfile* p, int c, int r )
     return fmax( sum, 0.0 ) * width / ( 4.0 * PI );
 }
 
-static void fill_shares( RfProfile* p )
+static void find_mean( RfProfile* p )
 {
-    p->share[0] = 0.0;
     for ( int c = 0; c + 1 < p->columns; ++c )
     {
-        double *within = p->within + (size_t)c * (size_t)p->rows, sum = 0.0;
-        within[0] = 0.0;
+        double sum = 0.0;
         for ( int r = 0; r + 1 < p->rows; ++r )
-            within[r + 1] = sum += cell_mean( p, c, r );
-        for ( int r = 1; r < p->rows; ++r )
-            within[r] = sum > 0.0 ? within[r] / sum : 0.0;
-        p->share[c + 1] = p->mean += sum;
+            sum += cell_mean( p, c, r );
+        p->mean += sum;
     }
-    for ( int c = 1; c < p->columns; ++c )
-        p->share[c] = p->mean > 0.0 ? p->share[c] / p->mean : 0.0;
 }
 
 // The rows in which some value is above `least`: the angles next to them.
@@ -215,7 +205,7 @@ RfResult rf_make_profile( const char* path, const RfProfileTable* table, RfProfi
     free( turn.at );
     if ( result == RF_OK )
     {
-        fill_shares( profile );
+        find_mean( profile );
         find_reach( profile );
         *out = profile;
     }
@@ -224,24 +214,10 @@ RfResult rf_make_profile( const char* path, const RfProfileTable* table, RfProfi
     return result;
 }
 
-// ---- Looked up and sampled
+// ---- Looked up
 
 // The interval of ascending values that `x` is in, of count − 1.
 static int interval_of( const float* at, int count, float x )
-{
-    int low = 0, high = count - 1;
-    while ( high - low > 1 )
-    {
-        int middle = ( low + high ) / 2;
-        if ( x < at[middle] )
-            high = middle;
-        else
-            low = middle;
-    }
-    return low;
-}
-
-static int interval_of_share( const double* at, int count, double x )
 {
     int low = 0, high = count - 1;
     while ( high - low > 1 )
@@ -282,33 +258,4 @@ float rf_profile_value( const RfProfile* p, RfVec3 local )
     float s = ( at.v - v[0] ) / ( v[1] - v[0] ), t = ( at.h - h[0] ) / ( h[1] - h[0] );
     float a = left[0] + s * ( left[1] - left[0] ), b = right[0] + s * ( right[1] - right[0] );
     return a + t * ( b - a );
-}
-
-// The share of a cell over its solid angle.
-static double density_of( const RfProfile* p, int column, int row )
-{
-    const double* within = p->within + (size_t)column * (size_t)p->rows + row;
-    double width = (double)p->horizontal[column + 1] - (double)p->horizontal[column];
-    double height = cos( (double)p->vertical[row] ) - cos( (double)p->vertical[row + 1] );
-    return ( p->share[column + 1] - p->share[column] ) * ( within[1] - within[0] ) / ( width * height );
-}
-
-float rf_profile_pdf_solid_angle( const RfProfile* p, RfVec3 local )
-{
-    Place at;
-    return find_place( p, local, &at ) ? (float)density_of( p, at.column, at.row ) : 0.0f;
-}
-
-RfVec3 rf_sample_profile( const RfProfile* p, const float u[2] )
-{
-    int column = interval_of_share( p->share, p->columns, (double)u[0] );
-    double low = p->share[column], width = p->share[column + 1] - low;
-    double t = width > 0.0 ? ( (double)u[0] - low ) / width : 0.0;
-    const double* within = p->within + (size_t)column * (size_t)p->rows;
-    int row = interval_of_share( within, p->rows, (double)u[1] );
-    double height = within[row + 1] - within[row], s = height > 0.0 ? ( (double)u[1] - within[row] ) / height : 0.0;
-    double h = (double)p->horizontal[column] + t * ( (double)p->horizontal[column + 1] - (double)p->horizontal[column] );
-    double top = cos( (double)p->vertical[row] ), cosine = top + s * ( cos( (double)p->vertical[row + 1] ) - top );
-    double sine = sqrt( fmax( ( 1.0 - cosine ) * ( 1.0 + cosine ), 0.0 ) );
-    return rf_vec3( (float)( -sine * sin( h ) ), (float)( -sine * cos( h ) ), (float)-cosine );
 }

@@ -25,10 +25,8 @@ typedef struct RfProfile
     double mean;                  // over the sphere
     float most;
     double cos_reach; // of the vertical angle beyond which it is dark; from above, where `up`
-    double cos_half;  // the same for half of the most
+    double cos_half;  // of the angle beyond which it is at most half of the most
     bool up;          // it shines upwards only
-    double* share;    // of the columns' cells up to each horizontal angle in the whole, from 0 to 1
-    double* within;   // of each column of cells: of the cells up to each vertical angle in the column
 } RfProfile;
 
 // The angles of a table in degrees, and its values, all those of the first horizontal angle first.
@@ -53,9 +51,5 @@ void rf_release_profile( RfProfile* profile );
 
 // The value in a unit direction.
 float rf_profile_value( const RfProfile* profile, RfVec3 local );
-
-// Draws a direction by two numbers, in proportion to the mean of the cell that it is in. Of a dark profile its density is 0.
-RfVec3 rf_sample_profile( const RfProfile* profile, const float u[2] );
-float rf_profile_pdf_solid_angle( const RfProfile* profile, RfVec3 local );
 
 #endif

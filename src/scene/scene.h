@@ -319,7 +319,7 @@ struct RfScene
     int camera_count;
     RfViewText view;             // how the file wants its pictures to be shown
     RfFps fps;                   // that the file asks for; 0/0: it does not say
-    int film_width, film_height; // likewise, pixels
+    int film_width, film_height; // that the file asks for, pixels; 0: it does not say
     bool film_alpha;             // it asks for RGBA
     int moving_count;            // objects that move
     char** moving;               // their names

@@ -205,7 +205,7 @@ RfResult rf_freeze_environment( RfScene* scene, double time, RfError* error )
     scene->content_hash = rf_hash_bytes( scene->content_hash, &time, sizeof time );
     return rf_note_unrendered( scene, "environment", "its keys change it" )
                ? RF_OK
-               : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", scene->path );
+               : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", scene->path );
 }
 
 uint64_t rf_hash_environment( uint64_t hash, const RfEnvironment* environment )

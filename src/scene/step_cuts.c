@@ -22,7 +22,7 @@ static RfResult add_cut( double time, RfCamera* camera, RfError* error )
 {
     double* grown = realloc( camera->cuts, ( (size_t)camera->cut_count + 1 ) * sizeof *grown );
     if ( grown == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "camera '%.60s': no memory left for its cuts", camera->name );
+        return rf_fail( error, RF_ERROR_MEMORY, "camera '%.60s': out of memory for its cuts", camera->name );
     camera->cuts = grown;
     grown[camera->cut_count++] = time;
     return RF_OK;

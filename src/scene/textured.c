@@ -40,16 +40,31 @@ static void texture_coordinates( const RfTextureRef* ref, const RfTriangles* t, 
     rf_transform_uv( ref, uv, at );
 }
 
-// Looks up a texture slot; false if it has no texture.
-static bool look_up_slot( const RfScene* scene, const RfMaterial* m, RfTextureSlot slot, const RfTriangles* t, uint32_t index,
-                          float u, float v, float rgba[4] )
+// A point of a triangle with a material that has `textured`.
+typedef struct Point
 {
-    const RfTextureRef* ref = m->textured->refs + slot;
+    const RfScene* scene;
+    const RfMaterial* m;
+    const RfTriangles* t;
+    uint32_t index;
+    float u, v;
+} Point;
+
+static inline Point locate_point( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+{
+    RfTriangleAt on = rf_locate_triangle( scene, triangle );
+    return ( Point ){ scene, m, on.triangles, on.index, u, v };
+}
+
+// Looks up a texture slot; false if it has no texture.
+static bool look_up_slot( const Point* p, RfTextureSlot slot, float rgba[4] )
+{
+    const RfTextureRef* ref = p->m->textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
-    texture_coordinates( ref, t, index, u, v, at );
-    rf_look_up( scene->textures + ref->texture, ref, at, rgba );
+    texture_coordinates( ref, p->t, p->index, p->u, p->v, at );
+    rf_look_up( p->scene->textures + ref->texture, ref, at, rgba );
     return true;
 }
 
@@ -59,6 +74,13 @@ static inline double lesser( double a, double b ) { return a < b ? a : b; }
 static inline double greater( double a, double b ) { return a > b ? a : b; }
 
 static double unit( double x ) { return x > 0.0 ? ( x < 1.0 ? x : 1.0 ) : 0.0; }
+
+// A factor times a channel of the texture in its slot, if there is one.
+static double factor_at( const Point* p, RfTextureSlot slot, int channel, double factor )
+{
+    float rgba[4];
+    return look_up_slot( p, slot, rgba ) ? unit( factor * (double)rgba[channel] ) : factor;
+}
 
 static RfVec3 scaled( const double rgb[3], double s )
 {
@@ -116,21 +138,20 @@ void rf_derive_lobes( const RfFactors* in, RfMaterial* out )
         derive_lobes( in, false, out );
 }
 
-static void base_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                     double base[4] )
+static void base_at( const Point* p, double base[4] )
 {
-    const RfTextured* textured = m->textured;
+    const RfTextured* textured = p->m->textured;
     float rgba[4];
     for ( int i = 0; i < 4; ++i )
         base[i] = textured->factors.base[i];
-    if ( look_up_slot( scene, m, RF_TEXTURE_BASE, t, index, u, v, rgba ) )
+    if ( look_up_slot( p, RF_TEXTURE_BASE, rgba ) )
     {
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
-    if ( rf_calls_for( textured->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && t->colors != NULL )
+    if ( rf_calls_for( textured->vertex_colors, RF_EFFECT_VERTEX_COLORS ) && p->t->colors != NULL )
     {
-        interpolate_corners( t->colors, 4, corners_of( t, index ), u, v, rgba );
+        interpolate_corners( p->t->colors, 4, corners_of( p->t, p->index ), p->u, p->v, rgba );
         for ( int i = 0; i < 4; ++i )
             base[i] *= (double)rgba[i];
     }
@@ -138,13 +159,12 @@ static void base_at( const RfScene* scene, const RfMaterial* m, const RfTriangle
         base[i] = unit( base[i] );
 }
 
-static void through_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                        RfFactors* f )
+static void through_at( const Point* p, RfFactors* f )
 {
     float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_THROUGH, t, index, u, v, rgba ) )
+    if ( look_up_slot( p, RF_TEXTURE_THROUGH, rgba ) )
         f->through *= unit( (double)rgba[3] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_THROUGH_COLOR, t, index, u, v, rgba ) )
+    if ( look_up_slot( p, RF_TEXTURE_THROUGH_COLOR, rgba ) )
     {
         for ( int i = 0; i < 3; ++i )
             f->through_color[i] *= unit( (double)rgba[i] );
@@ -152,29 +172,27 @@ static void through_at( const RfScene* scene, const RfMaterial* m, const RfTrian
 }
 
 // What rf_derive_lobes and rf_derive_glass read.
-static inline RfFactors factors_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u,
-                                    float v )
+static inline RfFactors factors_at( const Point* p )
 {
     RfFactors f;
-    memcpy( &f, &m->textured->factors, offsetof( RfFactors, sheen_color ) );
+    memcpy( &f, &p->m->textured->factors, offsetof( RfFactors, sheen_color ) );
     float rgba[4];
-    base_at( scene, m, t, index, u, v, f.base );
-    if ( look_up_slot( scene, m, RF_TEXTURE_METALLIC_ROUGHNESS, t, index, u, v, rgba ) )
+    base_at( p, f.base );
+    if ( look_up_slot( p, RF_TEXTURE_METALLIC_ROUGHNESS, rgba ) )
     {
         f.roughness = unit( f.roughness * (double)rgba[1] );
         f.metallic = unit( f.metallic * (double)rgba[2] );
     }
-    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR, t, index, u, v, rgba ) )
-        f.specular = unit( f.specular * (double)rgba[3] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_SPECULAR_COLOR, t, index, u, v, rgba ) )
+    f.specular = factor_at( p, RF_TEXTURE_SPECULAR, 3, f.specular );
+    if ( look_up_slot( p, RF_TEXTURE_SPECULAR_COLOR, rgba ) )
     {
         for ( int i = 0; i < 3; ++i )
             f.specular_color[i] *= (double)rgba[i];
-        if ( m->textured->glossy )
+        if ( p->m->textured->glossy )
             f.roughness = unit( 1.0 - ( 1.0 - f.roughness ) * (double)rgba[3] );
     }
     if ( f.through > 0.0 )
-        through_at( scene, m, t, index, u, v, &f );
+        through_at( p, &f );
     return f;
 }
 
@@ -196,19 +214,14 @@ void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out )
     out->clearcoat_alpha = rf_maxf( (float)( roughness * roughness ), RF_MIN_ALPHA );
 }
 
-static void glass_at( const RfScene* scene, const RfMaterial* m, const RfFactors* f, const RfTriangles* t, uint32_t index,
-                      float u, float v, RfMaterial* out )
+static void glass_at( const Point* p, const RfFactors* f, RfMaterial* out )
 {
     if ( out->ior == 0.0f ) // a mirror: textures do not affect its roughness
     {
         out->specular = scaled( f->base, 1.0 );
         return;
     }
-    double transmission = m->textured->transmission;
-    float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_TRANSMISSION, t, index, u, v, rgba ) )
-        transmission = unit( transmission * (double)rgba[0] );
-    rf_derive_glass( f, transmission, out );
+    rf_derive_glass( f, factor_at( p, RF_TEXTURE_TRANSMISSION, 0, p->m->textured->transmission ), out );
 }
 
 static float sheen_alpha( double roughness )
@@ -243,70 +256,61 @@ void rf_derive_layers( const RfFactors* f, RfMaterial* out )
     derive_film( f, f->film_most, out );
 }
 
-static void clearcoat_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                          RfMaterial* out )
+static void clearcoat_at( const Point* p, RfMaterial* out )
 {
-    double clearcoat = m->textured->clearcoat, roughness = m->textured->clearcoat_roughness;
-    float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT, t, index, u, v, rgba ) )
-        clearcoat = unit( clearcoat * (double)rgba[0] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_CLEARCOAT_ROUGHNESS, t, index, u, v, rgba ) )
-        roughness = unit( roughness * (double)rgba[1] );
-    rf_derive_clearcoat( clearcoat, roughness, out );
+    const RfTextured* t = p->m->textured;
+    rf_derive_clearcoat( factor_at( p, RF_TEXTURE_CLEARCOAT, 0, t->clearcoat ),
+                         factor_at( p, RF_TEXTURE_CLEARCOAT_ROUGHNESS, 1, t->clearcoat_roughness ), out );
 }
 
-static void sheen_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                      RfMaterial* out )
+static void sheen_at( const Point* p, RfMaterial* out )
 {
     float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_SHEEN_COLOR, t, index, u, v, rgba ) )
-        out->sheen = rf_mul(
-            m->sheen, rf_vec3( (float)unit( (double)rgba[0] ), (float)unit( (double)rgba[1] ), (float)unit( (double)rgba[2] ) ) );
-    if ( look_up_slot( scene, m, RF_TEXTURE_SHEEN_ROUGHNESS, t, index, u, v, rgba ) )
-        out->sheen_alpha = sheen_alpha( unit( m->textured->factors.sheen_roughness * (double)rgba[3] ) );
+    if ( look_up_slot( p, RF_TEXTURE_SHEEN_COLOR, rgba ) )
+        out->sheen = rf_mul( p->m->sheen, rf_vec3( (float)unit( (double)rgba[0] ), (float)unit( (double)rgba[1] ),
+                                                   (float)unit( (double)rgba[2] ) ) );
+    if ( look_up_slot( p, RF_TEXTURE_SHEEN_ROUGHNESS, rgba ) )
+        out->sheen_alpha = sheen_alpha( unit( p->m->textured->factors.sheen_roughness * (double)rgba[3] ) );
 }
 
 // The texture has the direction, which the factor turns further, and a share of the strength.
-static void stretch_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                        RfMaterial* out )
+static void stretch_at( const Point* p, RfMaterial* out )
 {
     float rgba[4];
-    if ( !look_up_slot( scene, m, RF_TEXTURE_ANISOTROPY, t, index, u, v, rgba ) )
+    if ( !look_up_slot( p, RF_TEXTURE_ANISOTROPY, rgba ) )
         return;
-    out->anisotropy = m->anisotropy * (float)unit( (double)rgba[2] );
+    out->anisotropy = p->m->anisotropy * (float)unit( (double)rgba[2] );
     float x = 2.0f * (float)unit( (double)rgba[0] ) - 1.0f, y = 2.0f * (float)unit( (double)rgba[1] ) - 1.0f;
     float length2 = x * x + y * y;
     if ( !( length2 > 1e-4f ) ) // between texels of opposite directions: none
         return;
     float scale = 1.0f / sqrtf( length2 );
-    out->stretch_x = scale * ( m->stretch_x * x - m->stretch_y * y );
-    out->stretch_y = scale * ( m->stretch_y * x + m->stretch_x * y );
+    out->stretch_x = scale * ( p->m->stretch_x * x - p->m->stretch_y * y );
+    out->stretch_y = scale * ( p->m->stretch_y * x + p->m->stretch_x * y );
 }
 
-static void film_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                     RfMaterial* out )
+static void film_at( const Point* p, RfMaterial* out )
 {
-    const RfFactors* f = &m->textured->factors;
+    const RfFactors* f = &p->m->textured->factors;
     float rgba[4];
-    if ( look_up_slot( scene, m, RF_TEXTURE_FILM, t, index, u, v, rgba ) )
-        out->film = m->film * (float)unit( (double)rgba[0] );
-    if ( look_up_slot( scene, m, RF_TEXTURE_FILM_THICKNESS, t, index, u, v, rgba ) )
+    if ( look_up_slot( p, RF_TEXTURE_FILM, rgba ) )
+        out->film = p->m->film * (float)unit( (double)rgba[0] );
+    if ( look_up_slot( p, RF_TEXTURE_FILM_THICKNESS, rgba ) )
         out->film_thickness = (float)( f->film_least + ( f->film_most - f->film_least ) * unit( (double)rgba[1] ) );
 }
 
 // What lies over GGX or changes its lobe.
-static void layers_at( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v,
-                       RfMaterial* out )
+static void layers_at( const Point* p, RfMaterial* out )
 {
-    RfBsdfParams params = rf_bsdf_model( m->kind )->params;
+    RfBsdfParams params = rf_bsdf_model( p->m->kind )->params;
     if ( rf_has_param( params, RF_PARAM_CLEARCOAT ) )
-        clearcoat_at( scene, m, t, index, u, v, out );
+        clearcoat_at( p, out );
     if ( rf_has_param( params, RF_PARAM_SHEEN ) )
-        sheen_at( scene, m, t, index, u, v, out );
+        sheen_at( p, out );
     if ( rf_has_param( params, RF_PARAM_ANISOTROPY ) )
-        stretch_at( scene, m, t, index, u, v, out );
+        stretch_at( p, out );
     if ( rf_has_param( params, RF_PARAM_FILM ) )
-        film_at( scene, m, t, index, u, v, out );
+        film_at( p, out );
 }
 
 void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
@@ -314,17 +318,17 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     *out = *m;
     if ( m->textured->model == RF_TEXTURED_UNLIT )
         return;
-    RfTriangleAt at = rf_locate_triangle( scene, triangle );
-    RfFactors f = factors_at( scene, m, at.triangles, at.index, u, v );
+    const Point p = locate_point( scene, m, triangle, u, v );
+    RfFactors f = factors_at( &p );
     switch ( m->textured->model )
     {
         case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
-        case RF_TEXTURED_GLASS: glass_at( scene, m, &f, at.triangles, at.index, u, v, out ); break;
+        case RF_TEXTURED_GLASS: glass_at( &p, &f, out ); break;
         case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
     if ( m->kind > RF_BSDF_GGX && m->kind != RF_BSDF_GLASS )
-        layers_at( scene, m, at.triangles, at.index, u, v, out );
+        layers_at( &p, out );
 }
 
 void rf_derive_material( RfMaterial* m )
@@ -355,49 +359,46 @@ bool rf_is_clear_somewhere( const RfMaterial* m )
     return smooth && m->textured->transmission > 0.0;
 }
 
-static bool is_cut_out( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
+static bool is_cut_out( const Point* p )
 {
     double base[4];
-    base_at( scene, m, t, index, u, v, base );
-    return base[3] < (double)m->textured->alpha_cutoff;
+    base_at( p, base );
+    return base[3] < (double)p->m->textured->alpha_cutoff;
 }
 
-bool rf_is_cut_out( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+static float opacity_at( const Point* p )
 {
-    RfTriangleAt on = rf_locate_triangle( scene, triangle );
-    return is_cut_out( scene, m, on.triangles, on.index, u, v );
+    if ( p->m->textured->masked )
+        return is_cut_out( p ) ? 0.0f : 1.0f;
+    double base[4];
+    base_at( p, base );
+    return p->m->textured->blended ? (float)unit( base[3] ) : 1.0f;
 }
 
 float rf_opacity_on( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
 {
-    if ( m->textured->masked )
-        return is_cut_out( scene, m, t, index, u, v ) ? 0.0f : 1.0f;
-    double base[4];
-    base_at( scene, m, t, index, u, v, base );
-    return m->textured->blended ? (float)unit( base[3] ) : 1.0f;
+    return opacity_at( &( Point ){ scene, m, t, index, u, v } );
 }
 
 float rf_opacity_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
-    RfTriangleAt on = rf_locate_triangle( scene, triangle );
-    return rf_opacity_on( scene, m, on.triangles, on.index, u, v );
+    const Point p = locate_point( scene, m, triangle, u, v );
+    return opacity_at( &p );
 }
 
 RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
-    RfTriangleAt at = rf_locate_triangle( scene, triangle );
-    const RfTriangles* t = at.triangles;
-    uint32_t index = at.index;
-    if ( m->textured->masked && is_cut_out( scene, m, t, index, u, v ) )
+    const Point p = locate_point( scene, m, triangle, u, v );
+    if ( m->textured->masked && is_cut_out( &p ) )
         return rf_vec3( 0, 0, 0 );
     if ( m->textured->model == RF_TEXTURED_UNLIT )
     {
         double base[4];
-        base_at( scene, m, t, index, u, v, base );
+        base_at( &p, base );
         return scaled( base, 1.0 );
     }
     float rgba[4];
-    if ( !look_up_slot( scene, m, RF_TEXTURE_EMISSIVE, t, index, u, v, rgba ) )
+    if ( !look_up_slot( &p, RF_TEXTURE_EMISSIVE, rgba ) )
         return m->emission;
     return rf_mul( m->emission, rf_vec3( rgba[0], rgba[1], rgba[2] ) );
 }
@@ -553,7 +554,7 @@ static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextur
     RfBetween between;
     RfTriangleAt on = locate_now( scene, triangle, &between );
     const RfTextureRef* ref = m->textured->refs + slot;
-    if ( !look_up_slot( scene, m, slot, on.triangles, on.index, u, v, rgba ) ||
+    if ( !look_up_slot( &( Point ){ scene, m, on.triangles, on.index, u, v }, slot, rgba ) ||
          !find_tangents( has_vertex_tangents( on.triangles, m->textured, ref ), ref, &on, u, v, n, &tangent, &bitangent ) )
         return n;
     float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;

@@ -83,7 +83,7 @@ struct RfTextured
 // coat_f0, coat_f90 and alpha of `out`.
 void rf_derive_lobes( const RfFactors* factors, RfMaterial* out );
 
-// The same for glass: sets diffuse, specular, f90, coat_f0, coat_f90, tint and alpha of `out`.
+// Glass: sets diffuse, specular, f90, coat_f0, coat_f90, tint and alpha of `out`.
 void rf_derive_glass( const RfFactors* factors, double transmission, RfMaterial* out );
 
 // Sets what a material derives from the factors of its `textured` where no texture varies them.
@@ -119,9 +119,6 @@ RfVec3 rf_coat_normal_at( const RfScene* scene, const RfMaterial* material, uint
 // normal of the front side: by `stretch_x` and `stretch_y` of the vertex tangents, else of the texture coordinates, else of an
 // arbitrary direction. `material`: with everything looked up (rf_material_at).
 RfVec3 rf_stretch_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfVec3 n );
-
-// True if the surface is cut out at this point.
-bool rf_is_cut_out( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
 
 // The opacity of the surface at this point, 0 to 1, which is the probability that a ray hits
 // it: 0 or 1 for masked materials, alpha for blended ones.

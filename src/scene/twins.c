@@ -231,5 +231,5 @@ RfResult rf_take_out_twins( RfScene* scene, RfLog* log, RfError* error )
     }
     free( list );
     free( s.emitter );
-    return enough ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its emitters", scene->path );
+    return enough ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its emitters", scene->path );
 }

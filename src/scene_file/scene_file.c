@@ -34,7 +34,7 @@ static RfResult check_document( const RfJsonDocument* document, RfError* error )
 RfResult rf_open_scene_file( const char* path, RfSceneFile* file, RfError* error )
 {
     *file = ( RfSceneFile ){ .path = strdup( path ) };
-    RfResult result = file->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
+    RfResult result = file->path != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", path );
     if ( result == RF_OK && rf_ends_with( path, ".json" ) )
     {
         result = rf_open_json( path, &file->document, error );
@@ -386,7 +386,7 @@ static RfResult rename_scene( const RfSceneFile* file, RfScene* scene, RfError* 
 {
     char* path = strdup( file->path );
     if ( path == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", file->path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", file->path );
     free( scene->path );
     scene->path = path;
     scene->content_hash = rf_hash_bytes( scene->content_hash, &file->document.hash, sizeof file->document.hash );
@@ -470,7 +470,7 @@ RfResult rf_open_scene_with( const char* path, const RfSceneOptions* options, Rf
 {
     *scene = calloc( 1, sizeof **scene );
     if ( *scene == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", path );
     RfResult result = rf_load_scene_with( path, options, *scene, log, error );
     if ( result != RF_OK )
     {

@@ -148,7 +148,7 @@ static RfResult sort_masked( const RfScene* scene, const Positions* at, RfBvh* b
         return RF_OK;
     mesh->order = malloc( (size_t)t->count * sizeof *mesh->order );
     if ( mesh->order == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the order of %u triangles", t->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the order of %u triangles", t->count );
     uint32_t next[2] = { 0, mesh->masked_first };
     for ( uint32_t i = 0; i < t->count; ++i )
     {
@@ -282,7 +282,7 @@ static RfResult build_meshes( RTCDevice device, const RfScene* scene, int first,
 {
     bvh->meshes = calloc( (size_t)scene->mesh_count + 1, sizeof *bvh->meshes );
     if ( bvh->meshes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d meshes", scene->mesh_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d meshes", scene->mesh_count );
     bvh->mesh_count = scene->mesh_count;
     bvh->shared_meshes = first;
     for ( int m = first; m < scene->mesh_count; ++m )
@@ -379,7 +379,7 @@ static RfResult note_placements( const RfScene* scene, RfBvh* bvh, RfError* erro
 {
     bvh->placed = calloc( (size_t)scene->placement_count, sizeof *bvh->placed );
     if ( bvh->placed == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for %d instances", scene->placement_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d instances", scene->placement_count );
     for ( int i = 0; i < scene->placement_count; ++i )
     {
         const RfPlacement* p = scene->placements + i;

@@ -115,7 +115,7 @@ RfPlacedBvh rf_note_matrix( const RfMat4* matrix, const RfMat4* most );
 
 // Embree's filter function for geometries whose user pointer is their RfMeshBvh (trace/filter.c). Rejects hits where the surface
 // is masked out. On a blended surface, rays hit with probability alpha, by a hash of the ray; segments are attenuated by
-// 1 − alpha. Thin panes are passed likewise, and their factors accumulated for segments.
+// 1 − alpha. Thin panes are passed by a hash of the ray, and their factors accumulated for segments.
 void rf_filter_hits( const struct RTCFilterFunctionNArguments* args );
 
 // The triangle in its list of a primitive of one of the two geometries.

@@ -77,7 +77,7 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
     *out = NULL;
     RfTracer* tracer = malloc( sizeof *tracer );
     if ( tracer == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the ray tracer" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the ray tracer" );
     *tracer = *still;
     tracer->still = still;
     tracer->scene = posed;
@@ -149,7 +149,7 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
 {
     *out = malloc( sizeof **out );
     if ( *out == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for what moves in %d frames", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory posing %d frames", count );
     ( *out )->reach = 0.0f;
     RTCScene scene = rtcNewScene( posed[0]->device );
     rtcSetSceneFlags( scene, RTC_SCENE_FLAG_ROBUST );

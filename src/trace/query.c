@@ -107,12 +107,6 @@ static void begin_first( RfQuery* query, const RfPaneLanes* panes )
         reset_first( query );
 }
 
-static void take_first( RfQuery* query, int lanes, int first, const RfPaneLanes* panes )
-{
-    memcpy( panes->first + first, query->first_pane, (size_t)lanes * sizeof *panes->first );
-    reset_first( query );
-}
-
 static RfQuery begin_query( const RfTracer* tracer, RfQueryKind kind, bool coherent, bool pass_panes )
 {
     RfQuery query;
@@ -142,6 +136,11 @@ static void take_panes( RfQuery* query, int lanes, int first, const RfPaneLanes*
     memcpy( panes->probability + first, query->pane_probability, bytes );
     for ( int c = 0; c < 3; ++c )
         memcpy( panes->weight[c] + first, query->pane_weight[c], bytes );
+    if ( query->notes_first )
+    {
+        memcpy( panes->first + first, query->first_pane, (size_t)lanes * sizeof *panes->first );
+        reset_first( query );
+    }
     if ( query->passed )
         reset_panes( query );
 }
@@ -291,9 +290,9 @@ void rf_trace_nearest_through_panes( const RfTracer* tracer, int count, const fl
     trace_nearest( tracer, count, o, d, false, true, triangle, u, v, panes );
 }
 
-// The segments of a packet that are listed from `first` on.
+// A packet of listed segments, this many times as long.
 static void gather_segments( struct RTCRay16* ray, int lanes, const float* const o[3], const float* const d[3],
-                             const int32_t* listed, float scale )
+                             const int32_t* listed, float scale, float length )
 {
     for ( int i = 0; i < lanes; ++i )
     {
@@ -306,7 +305,7 @@ static void gather_segments( struct RTCRay16* ray, int lanes, const float* const
         ray->dir_z[i] = scale * d[2][from];
     }
     for ( int i = 0; i < RF_PACKET; ++i )
-        ray->tfar[i] = i < lanes ? 1.0f : NO_RAY;
+        ray->tfar[i] = i < lanes ? length : NO_RAY;
 }
 
 static void scatter_panes( RfQuery* query, int lanes, const int32_t* to, const RfPaneLanes* panes )
@@ -345,7 +344,7 @@ static void trace_segments( const RfTracer* tracer, int count, const int32_t* li
             set_ray( &ray, lanes, d, first, tracer->bvh.base.scale, 1.0f );
         }
         else
-            gather_segments( &ray, lanes, o, d, listed + first, tracer->bvh.base.scale );
+            gather_segments( &ray, lanes, o, d, listed + first, tracer->bvh.base.scale, 1.0f );
         occlude_world( valid, &query, &ray );
         for ( int i = 0; i < lanes; ++i )
             visible[listed == NULL ? first + i : listed[first + i]] =
@@ -355,8 +354,6 @@ static void trace_segments( const RfTracer* tracer, int count, const int32_t* li
             take_panes( &query, lanes, first, panes );
         else if ( panes != NULL )
             scatter_panes( &query, lanes, listed + first, panes );
-        if ( query.notes_first && listed == NULL )
-            take_first( &query, lanes, first, panes );
     }
 }
 
@@ -375,23 +372,6 @@ void rf_trace_listed_segments( const RfTracer* tracer, int count, const int32_t*
                                const float* const d[3], float* visible, const RfPaneLanes* panes )
 {
     trace_segments( tracer, count, listed, o, d, visible, panes );
-}
-
-// Fills the segments of a packet; returns the number of lanes to test.
-static int set_segments( struct RTCRay16* ray, int* valid, RfVec3 origin, int lanes, const float* const point[3], int first,
-                         float scale, const float* weight )
-{
-    int tested = 0;
-#pragma omp simd reduction( + : tested )
-    for ( int i = 0; i < lanes; ++i )
-    {
-        ray->dir_x[i] = scale * ( point[0][first + i] - origin.x );
-        ray->dir_y[i] = scale * ( point[1][first + i] - origin.y );
-        ray->dir_z[i] = scale * ( point[2][first + i] - origin.z );
-        valid[i] = weight[first + i] > 0.0f ? -1 : 0;
-        tested -= valid[i];
-    }
-    return tested;
 }
 
 static void clear_panes( int count, const RfPaneLanes* panes )
@@ -488,7 +468,13 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     for ( int first = 0; first < count; first += RF_PACKET )
     {
         int lanes = set_valid( valid, first, count );
-        set_segments( &packet.ray, valid, origin, lanes, point, first, scale, weight );
+        for ( int i = 0; i < lanes; ++i )
+        {
+            packet.ray.dir_x[i] = scale * ( point[0][first + i] - origin.x );
+            packet.ray.dir_y[i] = scale * ( point[1][first + i] - origin.y );
+            packet.ray.dir_z[i] = scale * ( point[2][first + i] - origin.z );
+            valid[i] = weight[first + i] > 0.0f ? -1 : 0;
+        }
         for ( int i = 0; i < RF_PACKET; ++i )
         {
             packet.ray.org_x[i] = scale * origin.x;
@@ -519,38 +505,6 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     }
 }
 
-// Rays that may meet ghosts, gathered into full packets.
-typedef struct NearRays
-{
-    struct RTCRay16 ray;
-    int count;
-    int of[RF_PACKET];
-} NearRays;
-
-static void add_near_ray( NearRays* to, int of, const float* const o[3], const float* const d[3], float scale )
-{
-    int k = to->count++;
-    to->ray.org_x[k] = scale * o[0][of];
-    to->ray.org_y[k] = scale * o[1][of];
-    to->ray.org_z[k] = scale * o[2][of];
-    to->ray.dir_x[k] = scale * d[0][of];
-    to->ray.dir_y[k] = scale * d[1][of];
-    to->ray.dir_z[k] = scale * d[2][of];
-    to->of[k] = of;
-}
-
-static void trace_near_rays( RTCScene ghosts, RfQuery* query, NearRays* rays, float length, uint8_t* touched )
-{
-    _Alignas( 64 ) int valid[RF_PACKET];
-    set_valid( valid, 0, rays->count );
-    for ( int i = 0; i < RF_PACKET; ++i )
-        rays->ray.tfar[i] = valid[i] != 0 ? length : NO_RAY;
-    occluded( valid, ghosts, query, &rays->ray );
-    for ( int i = 0; i < rays->count; ++i )
-        touched[rays->of[i]] |= rays->ray.tfar[i] < 0.0f;
-    rays->count = 0;
-}
-
 void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
                      uint8_t* touched )
 {
@@ -560,22 +514,31 @@ void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3],
     if ( ghosts == NULL )
         return;
     RfQuery query = begin_query( tracer, RF_QUERY_GHOSTS, false, false );
-    NearRays rays = { .count = 0 };
-    begin_rays( tracer, &rays.ray );
+    _Alignas( 64 ) int valid[RF_PACKET];
+    struct RTCRay16 ray;
+    begin_rays( tracer, &ray );
+    // rays that may meet ghosts, of all blocks, in full packets
+    int32_t near[RF_PACKET + RF_BOX_BLOCK];
+    int listed = 0;
     for ( int first = 0; first < count; first += RF_BOX_BLOCK )
     {
-        int32_t near[RF_BOX_BLOCK];
         const float *from[3] = { o[0] + first, o[1] + first, o[2] + first },
                     *way[3] = { d[0] + first, d[1] + first, d[2] + first };
         int block = count - first < RF_BOX_BLOCK ? count - first : RF_BOX_BLOCK;
-        int listed = rf_list_near_rays( &tracer->ghosts->boxes, block, from, way, length, touched + first, near );
-        for ( int k = 0; k < listed; ++k )
+        int found = rf_list_near_rays( &tracer->ghosts->boxes, block, from, way, length, touched + first, near + listed );
+        for ( int k = 0; k < found; ++k )
+            near[listed + k] += first;
+        listed += found;
+        int traced = 0, least = first + block < count ? RF_PACKET : 1;
+        for ( int lanes; listed - traced >= least; traced += lanes )
         {
-            add_near_ray( &rays, first + near[k], o, d, tracer->bvh.base.scale );
-            if ( rays.count == RF_PACKET )
-                trace_near_rays( ghosts, &query, &rays, length, touched );
+            lanes = set_valid( valid, traced, listed );
+            gather_segments( &ray, lanes, o, d, near + traced, tracer->bvh.base.scale, length );
+            occluded( valid, ghosts, &query, &ray );
+            for ( int i = 0; i < lanes; ++i )
+                touched[near[traced + i]] |= ray.tfar[i] < 0.0f;
         }
+        listed -= traced;
+        memmove( near, near + traced, (size_t)listed * sizeof *near );
     }
-    if ( rays.count > 0 )
-        trace_near_rays( ghosts, &query, &rays, length, touched );
 }

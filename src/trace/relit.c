@@ -45,7 +45,7 @@ RfResult rf_create_relit_tracer( const RfTracer* tracer, RfIsLit* is_lit, void* 
     {
         rf_destroy_relit_tracer( relit );
         *out = NULL;
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for a copy of %u lights", of->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a copy of %u lights", of->count );
     }
     if ( lamps > 0 )
         memcpy( relit->punctual, of->punctual, lamps * sizeof *relit->punctual );
@@ -83,7 +83,7 @@ RfResult rf_create_split_tracer( const RfTracer* tracer, const RfLightGroups* gr
 {
     RfTracer* split = *out = malloc( sizeof *split );
     if ( split == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the groups of %u lights", tracer->lights.count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the groups of %u lights", tracer->lights.count );
     *split = *tracer;
     split->still = tracer;
     RfResult result = rf_split_lights( tracer->scene, groups, &split->lights, error );

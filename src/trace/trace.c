@@ -72,7 +72,7 @@ static RfResult check_threads( int threads, RfError* error )
     int possible = ( rf_possible_threads( 2 * threads - 1 ) + 1 ) / 2;
     if ( possible >= threads )
         return RF_OK;
-    rf_fail( error, RF_ERROR_MEMORY, "the limits of the system leave room for %d of %d threads", possible, threads );
+    rf_fail( error, RF_ERROR_MEMORY, "system limits allow %d of %d threads", possible, threads );
     return rf_advise( RF_ERROR_MEMORY, RF_REMEDY_THREADS, 0, error );
 }
 
@@ -89,7 +89,7 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
         return result;
     RfTracer* tracer = calloc( 1, sizeof *tracer );
     if ( tracer == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the ray tracer" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the ray tracer" );
     tracer->scene = scene;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
         tracer->textured = tracer->textured || scene->materials[i].textured != NULL;
@@ -115,7 +115,7 @@ RfResult rf_create_tracer_by( int threads, const RfScene* scene, RfTracer** out,
     if ( result == RF_OK )
         tracer->occluders = rf_find_occluders( tracer );
     if ( result == RF_OK && tracer->occluders == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "no memory for the largest occluders" );
+        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the largest occluders" );
     if ( result != RF_OK )
     {
         rf_destroy_tracer( tracer );

@@ -53,7 +53,7 @@ RfResult rf_fill_records( RfTracer* tracer, RfError* error )
     uint32_t count = t->count;
     tracer->triangles = malloc( ( (size_t)count + 1 ) * sizeof *tracer->triangles );
     if ( tracer->triangles == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the surfaces of %u triangles", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the surfaces of %u triangles", count );
     for ( uint32_t i = 0; i < count; ++i )
         tracer->triangles[i] = world_record(
             t, i, tracer->lights.of_triangle != NULL ? tracer->lights.of_triangle[i] : RF_NO_LIGHT, tracer->bvh.base.far_error );

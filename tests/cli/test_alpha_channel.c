@@ -110,7 +110,7 @@ TEST( test_other_commands_read_it )
     write_room( ",\"extras\":{\"reframe\":{\"render\":{\"alpha\":1}}}" );
     cli_expect( cli_run( "$R render room.gltf -o d.exr " SMALL ), 1, "extras.reframe.render.alpha: must be" );
     write_room( "" );
-    cli_expect( cli_run( "$R render sky.json -o r.exr --aov alpha" ), 2, "'alpha' is no AOV" );
+    cli_expect( cli_run( "$R render sky.json -o r.exr --aov alpha" ), 2, "unknown AOV 'alpha'" );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

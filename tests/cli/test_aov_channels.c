@@ -92,10 +92,10 @@ TEST( test_every_channel_is_written )
 TEST( test_wrong_names_are_refused )
 {
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov colour" ), 2,
-                "reframe render: --aov: 'colour' is no AOV, there are " ALL ",removed," PASSES ",primal,dx,dy" );
+                "reframe render: --aov: unknown AOV 'colour', expected " ALL ",removed," PASSES ",primal,dx,dy" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normals" ), 2, "did you mean normal?" );
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "'' is no AOV" );
-    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "'' is no AOV" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,,normal" ), 2, "unknown AOV ''" );
+    cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth," ), 2, "unknown AOV ''" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov ''" ), 2, "--aov" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --aov depth,normal,depth" ), 2, "--aov: AOV depth is given twice" );
     assert_false( cli_exists( "r.exr" ) );
@@ -166,7 +166,7 @@ TEST( test_mattes_are_found_by_name )
     cli_expect( cli_run( "$R render $VASE -o m/f0.####.exr " SMALL " --resume --cryptomatte object" ), 1,
                 "cryptomatte object,asset" );
     cli_expect( cli_run( "$R render $VASE -o r.exr --cryptomatte objects" ), 2,
-                "--cryptomatte: 'objects' is no kind of Cryptomatte, did you mean object?" );
+                "--cryptomatte: unknown Cryptomatte 'objects', did you mean object?" );
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL " --estimator gradient --cryptomatte object" ), 2,
                 "the estimator 'gradient' has no Cryptomatte" );
     cli_expect( cli_run( "$R render $VASE -o r.exr " SMALL " --estimator gradient --aov object_index" ), 2,

@@ -210,7 +210,7 @@ BLENDER_TEST( test_export_keeps_the_scene )
                 1, "this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)" );
     refused = blender_export( "t", "" );
     assert_int_equal( refused->status, 1 );
-    expect_said( refused->err, "blender-export: t.glb: is there already: give another name or --overwrite" );
+    expect_said( refused->err, "blender-export: t.glb: already exists: give another name or --overwrite" );
     assert_int_equal( blender_export( "t", "--overwrite" )->status, 0 );
 }
 
@@ -239,7 +239,7 @@ BLENDER_TEST( test_world_becomes_the_environment )
     cli_write( "a b-sky.exr", "", 0 ); // a map in the way
     const CliResult* done = cli_run( EXPORT_SKY "'a b.glb' > log" );
     assert_int_equal( done->status, 1 );
-    expect_said( done->err, "a b-sky.exr: is there already" );
+    expect_said( done->err, "a b-sky.exr: already exists" );
     done = cli_run( EXPORT_SKY "'a b.glb' --overwrite --accept-losses > log" );
     assert_int_equal( done->status, 0 );
     assert_null( strstr( done->err, "depth of field" ) );

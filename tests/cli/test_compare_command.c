@@ -250,10 +250,10 @@ TEST( test_only_chosen_frames_are_wanted )
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "9", NULL ), 2, "--frames" );
     check_failed( compare( "ca.1.exr", "cb.1.exr", "--frames", "1", NULL ), 2, "--frames" );
     // the images themselves stay
-    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.1.exr" ), NULL ), 2, "would overwrite what is read" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.1.exr" ), NULL ), 2, "would overwrite an input" );
     check_failed( compare( "ca.#.exr", "cb.#.exr", "--frames", "3-4", "--diff", cli_path( "cb.#.exr" ), NULL ), 2,
-                  "would overwrite what is read" );
-    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.#.exr" ), NULL ), 2, "would overwrite what is read" );
+                  "would overwrite an input" );
+    check_failed( compare( "ca.1.exr", "cb.1.exr", "--diff", cli_path( "ca.#.exr" ), NULL ), 2, "would overwrite an input" );
     // the difference of frame 1 is frame 11
     write_constant( "ca.11.exr", 20, 1.0f );
     write_constant( "cb.11.exr", 20, 1.0f );

@@ -197,7 +197,7 @@ TEST( test_folders_that_cannot_be_written )
 TEST( test_existing_frames )
 {
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-3 " SMALL ), 0, NULL );
-    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 3-4 " SMALL ), 1, "f.0003.exr: is there already" );
+    cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 3-4 " SMALL ), 1, "f.0003.exr: already exists" );
     cli_expect( cli_run( "$R render $VASE -o f.####.exr --frames 1-3 --overwrite " SMALL ), 0, NULL );
     // Threads do not change the picture: the three are kept as they are. Another file format would mix the sequence.
     cli_run( "touch -d 2001-01-01 f.*.exr" );

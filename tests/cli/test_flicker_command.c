@@ -312,7 +312,7 @@ TEST( test_motion_from_camera_matrices )
 TEST( test_wrong_input_is_refused )
 {
     check_failed( flicker( "v.0007.exr", NULL ), 2, "has no ####" );
-    check_failed( flicker( "none.####.exr", NULL ), 1, "there is no such file" );
+    check_failed( flicker( "none.####.exr", NULL ), 1, "no such file" );
     check_failed( flicker( "v.####.exr", "--frames", "7", NULL ), 1, "two neighbouring" );
     check_failed( flicker( "v.####.exr", "--frames", "60", NULL ), 2, "--frames: there is no frame 60" );
     check_failed( flicker( "v.####.exr", "--frames", "7-9x2", NULL ), 1, "frame 7 is followed by 9" );

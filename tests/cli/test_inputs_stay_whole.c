@@ -24,9 +24,9 @@ TEST( test_scene_is_never_overwritten )
         0, NULL );
     check_kept( "room.glb", "--json: room.glb: ends as a file of another kind",
                 "$R render room.glb -o f.exr --frames 1 --json room.glb" );
-    check_kept( "room.glb", "--json: link.json: would overwrite what is read", "$R info room.glb --json link.json" );
+    check_kept( "room.glb", "--json: link.json: would overwrite an input", "$R info room.glb --json link.json" );
     check_kept( "room.glb", "--svg: room.glb: ends as", "$R cost room.glb --svg room.glb" );
-    check_kept( "scene.json", "--json: ./sub/../scene.json: would overwrite what is read",
+    check_kept( "scene.json", "--json: ./sub/../scene.json: would overwrite an input",
                 "$R tune scene.json --json ./sub/../scene.json" );
     check_kept( "room.glb", "--json: a.svg: ends as a file of another kind", "$R tune room.glb --svg b.svg --json a.svg" );
     check_kept( "room.glb", "--svg: a: is the file of --json too", "$R cost room.glb --svg a --json ./a" );
@@ -44,8 +44,8 @@ TEST( test_frames_are_never_overwritten )
     check_kept( "s.0001.exr", "--json: s.0001.exr: ends as", "$R compare s.0001.exr s.0002.exr --json s.0001.exr" );
     check_kept( "s.0001.exr", "name it .png", "$R png s.0001.exr ./s.0001.exr" );
     cli_expect( cli_run( "for i in 1 2; do cp s.000$i.exr t.$i; done" ), 0, NULL ); // no ending to go by
-    check_kept( "t.1", "is what is read", "$R png t.1 ./t.1" );
-    check_kept( "t.1", "--json: t.1: would overwrite what is read", "$R flicker t.# --json t.1" );
+    check_kept( "t.1", "is also the input", "$R png t.1 ./t.1" );
+    check_kept( "t.1", "--json: t.1: would overwrite an input", "$R flicker t.# --json t.1" );
     check_kept( "t.1", "--png: t.2: is the file of --reference too", "$R flicker s.####.exr --reference t.# --png t.2" );
     cli_expect( cli_run( "$R compare t.1 t.2 --json t.3 --quiet" ), 0, NULL ); // a name of its own
     assert_true( cli_exists( "t.3" ) );

@@ -104,7 +104,7 @@ TEST( test_interrupted_frames_stay_and_resume )
     cli_start( "echo $$ > pid; unset OMP_WAIT_POLICY; exec $R render $VASE -o i/f.####.exr --json i.json " SLOW );
     wait_for_another( "i/f.0001.exr", 0 );
     expect_wait_policy( "OMP_WAIT_POLICY=passive" );
-    int kept = interrupt( "frames are finished and kept, --resume goes on" );
+    int kept = interrupt( "frames are finished and kept, --resume continues" );
     assert_int_equal( cli_count_files( ".exr", "i" ), kept );
     check_interrupted_json( "i.json", kept );
     cli_expect( cli_run( "cp i.json older.json; $R render $VASE -o i/f.####.exr --resume --json i.json " SLOW ), 0, NULL );
@@ -128,7 +128,7 @@ static void interrupt_group( const char* more, int signal_number )
     cli_start( "exec " GROUP GROUPED "--preview w.png %s", more );
     wait_for_another( "w.png", 0 );
     cli_expect( cli_wait( signal_number ), 130,
-                "interrupted: 0 of 4 frames are finished and kept, --resume goes on from the films in w/f.0001.films" );
+                "interrupted: 0 of 4 frames are finished and kept, --resume continues from the films in w/f.0001.films" );
     assert_int_equal( cli_count_files( "", "w" ), 1 );
 }
 
@@ -136,16 +136,16 @@ TEST( test_films_of_a_group_are_kept )
 {
     interrupt_group( "", SIGINT );
     interrupt_group( "--resume", SIGTERM ); // and once more, in the midst of what was left
-    cli_expect( cli_run( GROUP GROUPED ), 1, "w/f.0001.films: films of an interrupted render are there: --resume goes on" );
+    cli_expect( cli_run( GROUP GROUPED ), 1, "w/f.0001.films: films of an interrupted render exist: --resume continues" );
     cli_expect( cli_run( GROUP GROUPED "--resume --seed 2" ), 1, "are the films of another render" );
     cli_expect( cli_run( GROUP "--frames 1-3 --size 64x36 --spp 8 --group 3 --resume" ), 1, "are the films of another render" );
     cli_expect( cli_run( "cp w/f.0001.films kept; head -c 100000 kept > w/f.0001.films; " GROUP GROUPED "--resume" ), 1,
-                "w/f.0001.films: are no whole films of a render: add --overwrite" );
+                "w/f.0001.films: not a complete films file: add --overwrite" );
     cli_expect(
         cli_run(
             "cp kept w/f.0001.films; printf x | dd of=w/f.0001.films bs=1 seek=50000 conv=notrunc 2> /dev/null; " GROUP GROUPED
             "--resume" ),
-        1, "w/f.0001.films: are no whole films of a render: add --overwrite" );
+        1, "w/f.0001.films: not a complete films file: add --overwrite" );
     cli_expect( cli_run( "cp kept w/f.0001.films" ), 0, NULL );
     cli_expect( cli_run( GROUP GROUPED "--resume" ), 0, NULL );
     assert_int_equal( cli_count_files( "", "w" ), 4 ); // the films are gone
@@ -220,7 +220,7 @@ TEST( test_films_that_cannot_be_kept )
     cli_expect( cli_run( "rm -rf w w.png" ), 0, NULL );
     cli_start( "ulimit -f 200; exec " GROUP GROUPED "--preview w.png" );
     wait_for_another( "w.png", 0 );
-    cli_expect( cli_wait( SIGINT ), 130, "goes on; without the films of those in work: w/f.0001.films: cannot be written" );
+    cli_expect( cli_wait( SIGINT ), 130, "continues; without the films of those in work: w/f.0001.films: cannot be written" );
     assert_int_equal( cli_count_files( "", "w" ), 0 );
 }
 
@@ -233,7 +233,7 @@ TEST( test_interrupted_overwrite_resumes )
         "echo $$ > pid; export OMP_WAIT_POLICY=active; exec $R render $VASE -o o/f.####.exr --overwrite --json o.json " SLOW );
     wait_for_another( "o/f.0001.exr", inode_of( "o/f.0001.exr" ) );
     expect_wait_policy( "OMP_WAIT_POLICY=active" );
-    int kept = interrupt( "frames are finished and kept, --resume --overwrite goes on" );
+    int kept = interrupt( "frames are finished and kept, --resume --overwrite continues" );
     check_interrupted_json( "o.json", kept );
     uintmax_t first = inode_of( "o/f.0001.exr" );
     cli_expect( cli_run( "$R render $VASE -o o/f.####.exr --resume " SLOW ), 1, "add --overwrite to replace such frames" );
@@ -248,7 +248,7 @@ TEST( test_interrupted_with_time_resumes )
 {
     cli_start( "exec $R render $VASE -o t/f.####.exr --frames 1-8 --size 48x27 --time 0.3 --group 1 --json t.json --quiet" );
     wait_for_another( "t/f.0001.exr", 0 );
-    int kept = interrupt( "--resume goes on" );
+    int kept = interrupt( "--resume continues" );
     check_interrupted_json( "t.json", kept );
     uintmax_t first = inode_of( "t/f.0001.exr" );
     cli_expect(

@@ -21,7 +21,7 @@ TEST( test_check_tells_what_is_there )
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3,7-9x2 >told" ), 0, NULL );
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-3 --check >told" ), 0, NULL );
     cli_expect( cli_run( "grep -q '^3 frames in c/f.####.exr: all there, whole and of this render' told" ), 0, NULL );
-    const char* line = "c/f.####.exr: 5 of 10 frames are finished; not there: 4-6, 8, 10: --resume goes on";
+    const char* line = "c/f.####.exr: 5 of 10 frames are finished; not there: 4-6, 8, 10: --resume continues";
     cli_expect( cli_run( "$R render " SHOT "-o c/f.####.exr --frames 1-10 --check --nodes 2 --json check.json >told" ), 1, line );
     json_auto_t* json = cli_read_json( "check.json" );
     assert_true( json_is_false( json_object_get( json, "complete" ) ) );
@@ -56,7 +56,7 @@ TEST( test_damaged_frames_are_found_and_rendered_again )
         bytes[size - 5] ^= 1;
         cli_write( "d/f.0003.exr", bytes, size );
         cli_expect( cli_run( "%s --check --json check.json", shot ), 1,
-                    "2 of 4 frames are finished; damaged: 2, 3: --resume goes on" );
+                    "2 of 4 frames are finished; damaged: 2, 3: --resume continues" );
         json_t* json = cli_read_json( "check.json" );
         assert_int_equal( count_of( json, "damaged" ), 2 );
         assert_int_equal( number_of( json, "finished" ), 2 );

@@ -166,7 +166,7 @@ TEST( test_data_is_drawn )
     cli_expect( cli_run( "$R png f.exr q.png --layer nothing" ), 1,
                 "f.exr: has no layer nothing; it has normal, depth, light_fill, light_key, CryptoMaterial, CryptoObject" );
     const CliResult* result = cli_run( "$R png f.exr z.png --layer depth --exposure 2" );
-    assert_non_null( strstr( result->err, "depth is no light: exposure and view do not change it" ) );
+    assert_non_null( strstr( result->err, "depth is not a colour: exposure and view do not apply" ) );
 }
 
 // The data window may be larger than the display window, as with overscan, or smaller.

@@ -236,7 +236,7 @@ TEST( test_sequences_keep_their_numbers )
     assert_true( cli_exists( "one.04.exr" ) && !cli_exists( "one.03.exr" ) );
     cli_expect( cli_run( "$R reconstruct shot/f.####.exr --frames 5 -o one.##.exr" ), 1, "frame 5 is missing" );
     cli_expect( cli_run( "$R reconstruct shot -o one.exr" ), 2, "-o: one.exr: has no ####" );
-    cli_expect( cli_run( "$R reconstruct shot -o shot/f.####.exr" ), 2, "is what is read" );
+    cli_expect( cli_run( "$R reconstruct shot -o shot/f.####.exr" ), 2, "is also the input" );
     cli_expect( cli_run( "$R reconstruct shot shot/f.0003.exr -o o.#.exr" ), 2,
                 "shot is a sequence, but shot/f.0003.exr is a file" );
 }
@@ -255,7 +255,7 @@ TEST( test_what_cannot_be_read_leaves_no_file )
     cli_expect( cli_run( "$R reconstruct nan.exr -o out.exr" ), 1, "nan.exr: dx: NaN at pixel (2, 1)" );
     cli_expect( cli_run( "$R reconstruct none.exr -o out.exr" ), 1, "none.exr" );
     cli_expect( cli_run( "$R reconstruct nan.exr" ), 2, "-o FILE is missing" );
-    cli_expect( cli_run( "$R reconstruct nan.exr -o nan.exr" ), 2, "would overwrite what is read" );
+    cli_expect( cli_run( "$R reconstruct nan.exr -o nan.exr" ), 2, "would overwrite an input" );
     cli_expect( cli_run( "$R reconstruct nan.exr -o out.png" ), 2, "ends as a file of another kind" );
     cli_expect( cli_run( "$R reconstruct nan.exr -o out.exr --alpha 0" ), 2, "--alpha: expected a number from 0.0001" );
     assert_int_equal( cli_count_files( "", "." ), files );

@@ -239,11 +239,11 @@ TEST( test_wrong_input_is_refused )
     cli_expect( cli_run( "$R report a b c d e f g h i -o x.html" ), 2, "'i' is one file too many" );
     cli_expect( cli_run( "$R report x/a '' -o x.html" ), 2, "DIR: the name is empty" );
     cli_expect( cli_run( "$R report x/none -o x.html" ), 1, "x/none: cannot be read: No such file" );
-    cli_expect( cli_run( "$R report x/none.#.exr -o x.html" ), 1, "x/none.#.exr: there is no such file" );
-    cli_expect( cli_run( "$R report x/empty -o x.html" ), 1, "x/empty: there is no EXR file in this folder" );
+    cli_expect( cli_run( "$R report x/none.#.exr -o x.html" ), 1, "x/none.#.exr: no such file" );
+    cli_expect( cli_run( "$R report x/empty -o x.html" ), 1, "x/empty: no EXR file in this folder" );
     cli_expect( cli_run( "$R report x/two -o x.html" ), 2, "diff.####.exr and f.####.exr: name one" );
     cli_expect( cli_run( "$R report x/two/f.####.exr -o x.html" ), 0, NULL );
-    cli_expect( cli_run( "$R report x/a -o x.html" ), 1, "x.html: is there already: --overwrite replaces it" );
+    cli_expect( cli_run( "$R report x/a -o x.html" ), 1, "x.html: already exists: --overwrite replaces it" );
     cli_expect( cli_run( "$R report x/a -o x.html --overwrite" ), 0, NULL );
     cli_expect( cli_run( "$R report x/a -o no/such/x.html" ), 1, "no/such: this folder cannot be made" );
     cli_expect( cli_run( "$R report x/a -o y.html --frames 7-9" ), 2, "--frames" );

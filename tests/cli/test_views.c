@@ -129,12 +129,12 @@ TEST( test_png_shows_as_the_file_says )
     expect_level( 118, "bright", "--exposure auto" );
     write_grey( "black.exr", 0.0f, NULL, NULL );
     expect_level( 0, "black", "--exposure auto" );
-    cli_expect( cli_run( "$R png agx.exr b.png --view none" ), 2, "there is no view 'none': there are Standard, Filmic, AgX" );
-    cli_expect( cli_run( "$R png agx.exr b.png --look soft" ), 2, "no look 'soft' of the view 'AgX'" );
+    cli_expect( cli_run( "$R png agx.exr b.png --view none" ), 2, "unknown view 'none', expected Standard, Filmic, AgX" );
+    cli_expect( cli_run( "$R png agx.exr b.png --look soft" ), 2, "unknown look 'soft' of the view 'AgX'" );
     write_grey( "other.exr", 0.09f, "Cinema", "1" );
     const CliResult* other = cli_run( "$R png other.exr other.png" );
     assert_int_equal( other->status, 0 );
-    assert_non_null( strstr( other->err, "other.exr: shown by the sRGB curve: there is no view 'Cinema'" ) );
+    assert_non_null( strstr( other->err, "other.exr: shown by the sRGB curve: unknown view 'Cinema'" ) );
     assert_int_equal( level_of( "other.png" ), 118 );
     write_grey( "odd.exr", 0.18f, "Standard", "1e30" );
     expect_level( 118, "odd", "" );
@@ -183,7 +183,7 @@ TEST( test_scene_files_name_a_view )
     assert_int_equal( cli_run( "cmp -s shown.png plain.png" )->status, 1 );
     cli_expect( cli_run( "$R report v -o v.html" ), 0, NULL );
     assert_int_equal( cli_run( "grep -q '\"view\":\"AgX\"' v.html && grep -q '\"exposure\":1.0,' v.html" )->status, 0 );
-    cli_expect( cli_run( "$R report v -o w.html --view none" ), 2, "--view: there is no view 'none'" );
+    cli_expect( cli_run( "$R report v -o w.html --view none" ), 2, "--view: unknown view 'none'" );
     assert_false( cli_exists( "w.html" ) );
 }
 
@@ -209,7 +209,7 @@ TEST( test_views_of_a_configuration )
     expect_level( 51, "c", "--view HALF --look dark" );
     expect_level( 231, "c", "" );
     cli_expect( cli_run( "$R png c.exr b.png --view quarter" ), 2, "in the configuration Half" );
-    cli_expect( cli_run( "$R png c.exr b.png --view half --look light" ), 2, "it has Half - Dark" );
+    cli_expect( cli_run( "$R png c.exr b.png --view half --look light" ), 2, "expected Half - Dark" );
     setenv( "OCIO", "broken.ocio", 1 );
     expect_level( 231, "c", "" );
     cli_expect( cli_run( "$R png c.exr b.png --view half" ), 1, "broken.ocio: OpenColorIO cannot read it" );

@@ -86,7 +86,7 @@ TEST( test_folders_are_compared )
     cli_expect( cli_run( "$R compare a b/g_###.exr --frames 2,4 --quiet > table" ), 0, NULL );
     cli_expect( cli_run( "$R compare a b --frames 3" ), 1, "reframe compare: b/g_###.exr: frame 3 is missing" );
     cli_expect( cli_run( "$R compare a/f.####.exr b/g_###.exr" ), 1, "but not in" ); // sequences are to be the same
-    cli_expect( cli_run( "mkdir e; $R compare a e" ), 1, "e: there is no EXR file in this folder" );
+    cli_expect( cli_run( "mkdir e; $R compare a e" ), 1, "e: no EXR file in this folder" );
     cli_expect( cli_run( "cp a/f.0001.exr e/f.0009.exr; $R compare a e" ), 1, "have no frame in common" );
     cli_expect( cli_run( "$R compare a a/f.0001.exr" ), 2, "give two of a kind" );
 }

@@ -22,7 +22,7 @@ TEST_WITHIN( test_wrong_files_and_options_are_refused, convert_enter, convert_le
     cli_expect( cli_run( "$R convert note.xyz a.glb" ), 1, "note.xyz: unknown format: OBJ, PLY, FBX and Collada" );
     cli_expect( cli_run( "$R convert empty.obj a.glb" ), 1, "empty.obj: is empty" );
     cli_expect( cli_run( "$R convert points.obj a.glb --quiet" ), 1, "points.obj: " );
-    cli_expect( cli_run( "$R convert . a.glb" ), 1, ".: is no regular file" );
+    cli_expect( cli_run( "$R convert . a.glb" ), 1, ".: not a regular file" );
     cli_expect( cli_run( "$R convert a.obj a.gltf" ), 2, "a.gltf: ends as a file of another kind: name it .glb" );
     cli_expect( cli_run( "$R convert a.obj no/such/a.glb" ), 1, "no/such: this folder cannot be made" );
     cli_expect( cli_run( "$R convert $VASE a.glb" ), 2, "is glTF already and needs no conversion" );
@@ -32,7 +32,7 @@ TEST_WITHIN( test_wrong_files_and_options_are_refused, convert_enter, convert_le
     cli_expect( cli_run( "$R convert a.obj a.glb --up x" ), 2, "--up" );
     convert_assert_files( 7 );
     convert_write( "a.glb", "mine" );
-    cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 1, "a.glb: is there already: give another name or --overwrite" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --quiet" ), 1, "a.glb: already exists: give another name or --overwrite" );
     cli_expect( cli_run( "$R convert none.obj a.glb --overwrite" ), 1, "none.obj: " );
     size_t size;
     AUTO_FREE char* bytes = cli_read( "a.glb", &size );

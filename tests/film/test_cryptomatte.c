@@ -58,9 +58,9 @@ TEST( test_kinds_and_their_names )
     assert_string_equal( text, "object,material,asset" );
     assert_int_equal( rf_parse_cryptomatte( "asset", &kinds, &error ), RF_OK );
     assert_int_equal( kinds, RF_CRYPTOMATTE_ASSET );
-    static const char* const s_wrong[][2] = { { "objekt", "'objekt' is no kind of Cryptomatte, did you mean object?" },
-                                              { "", "there are object, material and asset" },
-                                              { "object,", "there are object, material and asset" },
+    static const char* const s_wrong[][2] = { { "objekt", "unknown Cryptomatte 'objekt', did you mean object?" },
+                                              { "", "expected object, material or asset" },
+                                              { "object,", "expected object, material or asset" },
                                               { "asset,asset", "Cryptomatte of kind asset is given twice" } };
     for ( size_t i = 0; i < sizeof s_wrong / sizeof s_wrong[0]; ++i )
     {

@@ -236,7 +236,7 @@ TEST( test_faults_of_profiles_are_one_line )
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":\"no-such.ies\"" ), "no-such.ies" );
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":7" ), "lights[0].extras.reframe.ies: must be" );
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":99}" ), "ies.bufferView" );
-    assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":0}" ), "bufferViews[0]: it is no IES file" );
+    assert_fails( "", LAMP_NODE, OURS( "\"ies\":{\"bufferView\":0}" ), "bufferViews[0]: not an IES file" );
     assert_fails( "", LAMP_NODE, OURS( "\"ies\":{}" ), "bufferView" );
     assert_fails( "", LAMP_NODE, OURS( "\"profile\":{\"vertical\":[0,90],\"horizontal\":[0]}" ), "relative" );
     assert_fails( "", LAMP_NODE, OURS( "\"profile\":{\"vertical\":[0,90],\"horizontal\":[0],\"relative\":[1,2,3]}" ),

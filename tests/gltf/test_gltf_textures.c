@@ -248,8 +248,8 @@ TEST( test_alpha_modes_are_read )
                           "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.5],\"baseColorTexture\":{\"index\":0}}}]" );
     const RfMaterial* m = scene.materials;
     assert_true( rf_is_masked( m ) );
-    assert_false( rf_is_cut_out( &scene, m, 0, 0.1f, 0.8f ) ); // (0.9, 0.2)
-    assert_true( rf_is_cut_out( &scene, m, 0, 0.5f, 0.25f ) ); // the lower right texel, alpha 0.2
+    assert_true( rf_opacity_at( &scene, m, 0, 0.1f, 0.8f ) == 1.0f );  // (0.9, 0.2)
+    assert_true( rf_opacity_at( &scene, m, 0, 0.5f, 0.25f ) == 0.0f ); // the lower right texel, alpha 0.2
     assert_string_equal( gltf_warnings, "" );
     rf_destroy_scene( &scene );
 

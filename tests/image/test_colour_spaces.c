@@ -163,7 +163,7 @@ TEST( test_chromaticities_that_are_none )
     write_layers( path, RF_REC709 );
     set_white( path, bad, ( float[2] ){ 0.9f, 0.3f } );
     assert_int_equal( rf_read_exr( bad, &image, &error ), RF_ERROR_FORMAT );
-    assert_non_null( strstr( error.text, "bad.exr: its chromaticities are no colour space (red 0.64 0.33," ) );
+    assert_non_null( strstr( error.text, "bad.exr: its chromaticities do not define a colour space (red 0.64 0.33," ) );
     assert_int_equal( rf_read_exr_layer( bad, "light_key", &image, &window, &error ), RF_ERROR_FORMAT );
     assert_int_equal( rf_read_exr_channels( bad, s_colours, 3, &window, &values, &error ), RF_ERROR_FORMAT );
     assert_int_equal( rf_read_exr_layer( bad, "normal", &image, &window, &error ), RF_OK ); // no colour

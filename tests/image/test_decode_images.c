@@ -159,8 +159,8 @@ TEST( test_webp )
         assert_true( out.width == WIDTH && out.height == HEIGHT && out.channels == channels && out.type == RF_PIXELS_U8 );
         for ( int k = 0; k < WIDTH * HEIGHT * channels; ++k )
             assert_true( abs( ( (uint8_t*)out.data )[k] - pixels[k] ) <= ( lossy ? 6 : 0 ) );
-        expect( bytes, size - 9, RF_ERROR_FORMAT, "cut off" );
-        expect( bytes, 14, RF_ERROR_FORMAT, "cut off" );
+        expect( bytes, size - 9, RF_ERROR_FORMAT, "truncated" );
+        expect( bytes, 14, RF_ERROR_FORMAT, "truncated" );
         if ( i == 0 )
         {
             bytes[20] ^= 0xff; // the signature of what is lossless
@@ -245,7 +245,7 @@ TEST( test_wrong_images_are_refused )
     size = promise_png( bytes, 0, 10 );
     expect( bytes, size, RF_ERROR_FORMAT, "PNG" );
     size = promise_png( bytes, 16000, 16000 );
-    expect( bytes, size, RF_ERROR_FORMAT, "cut off" );
+    expect( bytes, size, RF_ERROR_FORMAT, "truncated" );
     const char* hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 16000 +X 16000\n";
     expect( (const uint8_t*)hdr, strlen( hdr ), RF_ERROR_UNSUPPORTED, "takes 2929 MiB" );
     hdr = "#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n1234";

@@ -362,7 +362,7 @@ static RfResult check_diff_names( const Compare* compare, const RfSequenceInput*
     struct stat* frames = calloc( (size_t)count, sizeof *frames );
     char name[RF_FILE_NAME_SIZE];
     RfResult result =
-        frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d frames", count );
+        frames != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of %d frames", count );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         result = rf_sequence_input_name( in, frame_number( &compare->in, i ), name, error );

@@ -30,7 +30,7 @@ RfResult rf_cut_ranges( int nodes, const RfDividedFrames* frames, const RfRender
         .list = malloc( (size_t)most * sizeof( RfPlanRange ) ), .nodes = nodes, .group = settings->group, .frames = *frames
     };
     if ( ranges->list == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for %d ranges", most );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d ranges", most );
     RfShot shot = {
         .eyes = frames->cameras, .eye_count = frames->run_count, .frames = frames->runs, .frame_count = frames->count
     };
@@ -140,7 +140,7 @@ RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* l
         if ( has_room && ( list->names[list->count] = strdup( entries[i]->d_name ) ) != NULL )
             list->count += 1;
         else if ( is_wanted )
-            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its files", folder );
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the names of its files", folder );
         free( entries[i] );
     }
     free( entries );
@@ -208,7 +208,7 @@ RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size
     char first[NAME_SIZE], other[NAME_SIZE];
     RfResult result = rf_list_folder( folder, ".exr", &list, error );
     if ( result == RF_OK && list.count == 0 )
-        result = rf_fail( error, RF_ERROR_IO, "%s: there is no EXR file in this folder", folder );
+        result = rf_fail( error, RF_ERROR_IO, "%s: no EXR file in this folder", folder );
     for ( int i = 1; i < list.count && result == RF_OK; ++i )
     {
         if ( is_alike( list.names[0], list.names[i] ) )
@@ -361,7 +361,7 @@ static RfResult parse( const char* text, const Numbers* numbers, int** frames, i
     int* list = malloc( (size_t)frame_count * sizeof *list );
     RfResult result = RF_OK;
     if ( wanted == NULL || list == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "--frames: no memory left for %d frames", frame_count );
+        result = rf_fail( error, RF_ERROR_MEMORY, "--frames: out of memory for %d frames", frame_count );
     if ( result == RF_OK )
         result = mark_all( text, numbers, wanted, error );
     if ( result == RF_OK )

@@ -156,10 +156,10 @@ static RfResult check_pair( const Named* file, const Named* other, RfError* erro
         return RF_OK;
     const char* name = file->option != NULL ? file->option : other->option;
     if ( name == NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "%s: is what is read: choose another name for what is written", file->path );
+        return rf_fail( error, RF_ERROR_USAGE, "%s: is also the input: choose another name for the output", file->path );
     if ( other->option == NULL || file->option == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: would overwrite %s: choose another name", name, file->path,
-                        other->writes != NULL ? "what else is written" : "what is read" );
+                        other->writes != NULL ? "another output" : "an input" );
     return rf_fail( error, RF_ERROR_USAGE, "--%s: %s: is the file of --%s too: choose another name", name, file->path,
                     other->option );
 }

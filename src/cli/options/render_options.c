@@ -229,7 +229,7 @@ static const RfOption s_options[] = {
                         "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "
                         "auto: only in frames where they pay off" ),
     RF_CLAMP_OPTION( render_parse.options,
-                     "against white specks: limit the luminance that one indirect path brings, and report the light taken out; "
+                     "against white specks: limit the luminance that one indirect path brings, and report the light removed; "
                      "auto: the limit of least error, which grows with the samples" ),
     RF_CHOICE_OPTION(
         "light-paths", RF_ENUM( &render_parse.options.settings.light_paths ), rf_light_paths_words,

@@ -123,7 +123,7 @@ static RfResult open_view( Job* job, const Samples* samples, RfError* error )
     bool automatic = s_view.exposure_given && s_view.exposure == (double)RF_EXPOSURE_AUTO;
     RfResult result = RF_OK;
     if ( !s_picture.takes_exposure && ( s_view.exposure_given || s_view.view != NULL || s_view.look != NULL ) )
-        rf_warn( &log, "%s is no light: exposure and view do not change it",
+        rf_warn( &log, "%s is not a colour: exposure and view do not apply",
                  s_picture.matte != NULL ? "a matte" : s_picture.layer );
     if ( !s_picture.takes_exposure )
         return RF_OK;

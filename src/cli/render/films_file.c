@@ -208,7 +208,7 @@ static RfFilmsState open_films( int first, RfFramesLeft* left, FILE** file, RfEr
     if ( *file == NULL )
         rf_fail_io( name, "cannot be read", errno, error );
     else if ( !is_whole( *file ) )
-        rf_fail( error, RF_ERROR_IO, "%s: are no whole films of a render", name );
+        rf_fail( error, RF_ERROR_IO, "%s: not a complete films file", name );
     else
         state = compare( *file, name, first, left, error );
     if ( *file != NULL && state != RF_FILMS_SAME )

@@ -233,7 +233,7 @@ RfResult rf_start_preview( const char* option, const RfOutput* output, int frame
     RfError reason = { 0 };
     preview->finished = malloc( (size_t)frames * sizeof( int ) );
     if ( preview->finished == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", frames );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", frames );
     preview->progress.left = (double)NAN;
     preview->progress.frames_all = frames;
     pthread_mutex_init( &preview->mutex, NULL );

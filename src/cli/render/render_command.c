@@ -101,7 +101,7 @@ static void print_frame_errors( const RfRenderJob* job )
 static void print_removed( const RfFrameErrors* errors )
 {
     if ( errors->removes )
-        printf( ", %.2g %% of the light taken out", 100.0 * errors->removed_sum / errors->frames );
+        printf( ", %.2g %% of the light removed", 100.0 * errors->removed_sum / errors->frames );
 }
 
 // The thresholds that a pilot has found, to be given to other shots of the set.
@@ -364,7 +364,7 @@ static RfResult load_scene( RfRenderJob* job, RfError* error )
 
 static RfResult fail_numbers( const RfRenderJob* job, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", job->frame_count );
 }
 
 static RfResult find_runs( RfRenderJob* job, RfError* error )
@@ -427,7 +427,8 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         print_effects( job->effects, job->effect_count );
     print_runs( &job->path, job->frames, job->frame_count, job->run_count );
     if ( job->films != NULL )
-        fprintf( stderr, "reframe render: goes on from the films of frame %d\n", rf_frame_number( &job->path, job->frames[0] ) );
+        fprintf( stderr, "reframe render: continues from the films of frame %d\n",
+                 rf_frame_number( &job->path, job->frames[0] ) );
     return RF_OK;
 }
 
@@ -625,7 +626,7 @@ static RfResult fail_interrupted( RfRenderJob* job, RfError* error )
                   job->not_kept.text );
     else if ( kept )
         snprintf( films, sizeof films, " from the films in %.900s", name );
-    return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: %d of %d frames are finished and kept, %s goes on%s",
+    return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: %d of %d frames are finished and kept, %s continues%s",
                     job->kept_count + job->frames_done, job->kept_count + job->frame_count,
                     job->options.overwrite ? "--resume --overwrite" : "--resume", films );
 }

@@ -164,7 +164,7 @@ static RfResult fail_incomplete( const RfRenderJob* job, const Check* check, RfE
     add_list( check, DAMAGED, "damaged", text, sizeof text );
     return rf_fail( error, RF_ERROR_IO, "%.300s: %d of %d frames are finished%s: %s", job->options.output,
                     check->counts[FINISHED], job->frame_count, text,
-                    in_the_way ? "--resume --overwrite replaces the rest" : "--resume goes on" );
+                    in_the_way ? "--resume --overwrite replaces the rest" : "--resume continues" );
 }
 
 static RfResult report_result( const RfRenderJob* job, const Check* check, const RfRanges* ranges, RfError* error )
@@ -186,7 +186,7 @@ RfResult rf_check_render( RfRenderJob* job, RfError* error )
     RfRanges ranges = { 0 };
     RfResult result = RF_OK;
     if ( !create( job->frame_count, &check ) )
-        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", job->frame_count );
+        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", job->frame_count );
     if ( result == RF_OK )
         result = look_at_all( job, &check, error );
     RfDividedFrames frames = {
@@ -323,7 +323,7 @@ static RfResult refuse( RfFrameFileState state, const RfRenderOptions* options, 
                         const char* name, const RfError* reason, RfError* error )
 {
     if ( !options->resume )
-        return rf_fail( error, RF_ERROR_IO, "%s: is there already: --resume goes on, --overwrite replaces", name );
+        return rf_fail( error, RF_ERROR_IO, "%s: already exists: --resume continues, --overwrite replaces", name );
     if ( state == RF_FRAME_FILE_UNREADABLE )
         return rf_fail( error, RF_ERROR_IO, "--resume: not a frame of this render, add --overwrite to replace it: %.900s",
                         reason->text );
@@ -379,7 +379,7 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
     RfFrameFileState* states = malloc( room * sizeof *states );
     int *damaged = malloc( room * sizeof *damaged ), left = 0, damaged_count = 0;
     if ( result == RF_OK && ( states == NULL || damaged == NULL ) )
-        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", *count );
+        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", *count );
     if ( result == RF_OK )
         result = look_at_files( output, frames, *count, options->resume, states, error );
     for ( int i = 0; i < *count && result == RF_OK; ++i )
@@ -422,7 +422,7 @@ RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLo
         return result;
     if ( !options->resume )
         return rf_fail( error, RF_ERROR_IO,
-                        "%s: films of an interrupted render are there: --resume goes on from them, --overwrite "
+                        "%s: films of an interrupted render exist: --resume continues from them, --overwrite "
                         "starts over",
                         name );
     return rf_fail( error, RF_ERROR_IO, "--resume: %.900s: %sadd --overwrite to start over", reason.text,

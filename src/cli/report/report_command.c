@@ -178,7 +178,7 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
         room += report->sequences[i].input.count;
     page->numbers = malloc( (size_t)room * sizeof( int ) );
     if ( page->numbers == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", room );
     for ( int i = 0; i < report->place_count; ++i )
     {
         const RfSequenceInput* input = &report->sequences[i].input;
@@ -250,7 +250,7 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
                         "--render-json: takes one sequence, and %d are given: put each file into the folder of its frames",
                         report->place_count );
     if ( !report->overwrite && access( report->output, F_OK ) == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: is there already: --overwrite replaces it", report->output );
+        return rf_fail( error, RF_ERROR_IO, "%s: already exists: --overwrite replaces it", report->output );
     return RF_OK;
 }
 
@@ -341,7 +341,7 @@ static RfResult add_view( const RfViewText* shown, RfPage* page, RfError* error 
         return result;
     unsigned char* cube = malloc( RF_VIEW_CUBE_BYTES );
     if ( cube == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the view" );
+        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the view" );
     else
     {
         rf_fill_view_cube( view, cube );
@@ -360,7 +360,7 @@ static RfResult end_page( const RfPageRun* report, RfPage* page, const char* tit
     if ( text == NULL )
     {
         rf_discard_page( page );
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the page's data", report->output );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the page's data", report->output );
     }
     RfResult result = rf_end_page( page, text, error );
     free( text );

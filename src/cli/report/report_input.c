@@ -156,7 +156,7 @@ static json_t* parse_json( const char* path, RfError* error )
     bool no_memory = errno == ENOMEM;
     free( bytes );
     if ( json == NULL && no_memory )
-        rf_fail( error, RF_ERROR_MEMORY, "%s: the system has no memory left: close other programs", path );
+        rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", path );
     else if ( json == NULL )
         rf_fail( error, RF_ERROR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text );
     return json;
@@ -224,7 +224,7 @@ static RfResult find_frames( const char* place, RfPageSequence* sequence, RfErro
         return result;
     input->frames = malloc( sizeof( int ) );
     if ( input->frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left", place );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", place );
     input->frames[0] = input->count = 1;
     return RF_OK;
 }

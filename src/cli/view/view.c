@@ -185,7 +185,7 @@ static bool is_look( const char* name, const char* transform, const char* look )
 
 static RfResult no_look( const RfViewText* text, const char* names, RfError* error )
 {
-    return rf_fail( error, RF_ERROR_USAGE, "there is no look '%.60s' of the view '%.60s': it has %.400s", text->look,
+    return rf_fail( error, RF_ERROR_USAGE, "unknown look '%.60s' of the view '%.60s', expected %.400s", text->look,
                     text->transform, names );
 }
 
@@ -219,7 +219,7 @@ static RfResult find_own( const RfViewText* text, const char* others, RfView* vi
         view->kind = (ViewKind)i;
         return find_own_look( text, view, error );
     }
-    return rf_fail( error, RF_ERROR_USAGE, "there is no view '%.60s': there are Standard, Filmic, AgX%s%.400s", text->transform,
+    return rf_fail( error, RF_ERROR_USAGE, "unknown view '%.60s', expected Standard, Filmic, AgX%s%.400s", text->transform,
                     others[0] != '\0' ? "; in the configuration " : "", others );
 }
 
@@ -278,7 +278,7 @@ RfResult rf_open_view( const RfViewText* text, RfView** view, RfError* error )
                         named.gamma );
     RfView* opened = calloc( 1, sizeof *opened );
     if ( opened == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a view" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a view" );
     opened->gain = gain;
     opened->inverse_gamma = inverse;
     RfResult result = find_view( &named, opened, error );

@@ -119,7 +119,7 @@ RfOcioResult rf_ocio_open( const char* config, const char* view, const char* loo
     }
     catch ( ... )
     {
-        snprintf( message, size, "no memory left" );
+        snprintf( message, size, "out of memory" );
         result = RF_OCIO_FAILED;
     }
     return result;

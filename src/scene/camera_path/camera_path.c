@@ -82,7 +82,7 @@ static RfResult find_runs( const RfScene* scene, RfCameraPath* path, RfError* er
     path->runs = malloc( (size_t)path->count * sizeof *path->runs );
     path->run_of_frame = malloc( (size_t)path->count * sizeof *path->run_of_frame );
     if ( path->runs == NULL || path->run_of_frame == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", path->name, path->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': out of memory for %d frames", path->name, path->count );
     for ( int i = 0; i < path->count; ++i )
     {
         if ( i == 0 || !shows_same( scene, path->eyes + i, path->runs + path->run_count - 1 ) )
@@ -128,7 +128,7 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
     path->name = strdup( camera->name );
     path->eyes = malloc( (size_t)path->count * sizeof *path->eyes );
     if ( path->eyes == NULL || path->name == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': no memory left for %d frames", camera->name, path->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "camera '%s': out of memory for %d frames", camera->name, path->count );
     path->fps = fps;
     memcpy( path->origin, scene->origin, sizeof path->origin );
     path->hash = RF_HASH_START;

@@ -98,7 +98,7 @@ RfResult rf_create_curve( RfCurveKind kind, bool linear, int count, const double
     if ( memory == NULL )
     {
         *curve = ( RfCurve ){ 0 };
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a curve of %d keys", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a curve of %d keys", count );
     }
     curve->times = memory;
     curve->knots = memory + n;
@@ -311,7 +311,7 @@ static RfResult make_curve( RfWaypoints* waypoints, bool linear, int count, cons
 {
     double* times = malloc( (size_t)count * sizeof *times );
     if ( times == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a walk of %d points", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a walk of %d points", count );
     for ( int i = 0; i < count; ++i )
         times[i] = (double)i;
     RfResult result = rf_create_curve( RF_CURVE_POINT, linear, count, times, points, &waypoints->curve, error );
@@ -330,7 +330,7 @@ RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWa
     if ( waypoints->lengths == NULL )
     {
         rf_destroy_waypoints( waypoints );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for a walk of %d points", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a walk of %d points", count );
     }
     for ( int i = 0; i < waypoints->piece_count; ++i )
     {
