@@ -2,7 +2,6 @@
 #include "cli/help.h"
 
 #include "cli/commands.h"
-#include "cli/options/options.h"
 #include "reframe/aov.h"
 #include "reframe/types.h"
 

@@ -2,7 +2,6 @@
 #include "convert/glb_write.h"
 
 #include "base/remedy.h"
-#include "convert/model.h"
 
 #include <jansson.h>
 #include <math.h>

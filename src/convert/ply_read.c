@@ -2,7 +2,6 @@
 #include "convert/ply_read.h"
 
 #include "base/file.h"
-#include "convert/model.h"
 #include "convert/ply_file.h"
 #include "image/decode.h"
 

@@ -3,7 +3,6 @@
 
 #include "base/remedy.h"
 #include "image/exr.h"
-#include "image/exr_stream.h"
 #include "image/half.h"
 
 #include <math.h>

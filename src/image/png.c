@@ -3,12 +3,10 @@
 
 #include "image/atomic_file.h"
 #include "image/decode_formats.h"
-#include "reframe/image.h"
 
 #include <math.h>
 #include <png.h>
 #include <setjmp.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -6,7 +6,6 @@
 #include <assimp/material.h>
 #include <assimp/postprocess.h>
 #include <assimp/version.h>
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

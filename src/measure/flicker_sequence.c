@@ -2,9 +2,6 @@
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
-#include "image/exr.h"
-#include "measure/image_error.h"
-#include "measure/flicker.h"
 #include "measure/sequences.h"
 
 #include <math.h>

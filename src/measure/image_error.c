@@ -2,12 +2,9 @@
 #include "measure/image_error.h"
 
 #include "film/brightness.h"
-#include "reframe/error.h"
-#include "reframe/measure.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define BLOCK_SIDE 16 // pixels; blocks at the right and lower border may be cropped
 #define MIN_BLOCKS 16 // larger blocks need at least this many

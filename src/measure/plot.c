@@ -3,11 +3,8 @@
 
 #include "base/plain_text.h"
 #include "image/atomic_file.h"
-#include "reframe/error.h"
 
 #include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "base/remedy.h"
 #include "base/system.h"
 #include "measure/trial_runs.h"
-#include "measure/tune.h"
 #include "reframe/plan.h"
 #include "render/groups.h"
 #include "render/settings.h"

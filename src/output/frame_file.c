@@ -2,7 +2,6 @@
 #include "output/frame_file.h"
 
 #include "base/file.h"
-#include "film/aov.h"
 #include "image/atomic_file.h"
 #include "image/colour.h"
 #include "image/exr.h"
@@ -10,8 +9,6 @@
 #include "output/names.h"
 #include "output/pass_channels.h"
 #include "output/time_code.h"
-#include "reframe/output.h"
-#include "reframe/render.h"
 #include "render/groups.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
@@ -20,10 +17,8 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 #define MAX_NAME 4096
 

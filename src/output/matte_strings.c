@@ -1,8 +1,6 @@
 // Cryptomatte's attributes of a file.
 #include "output/matte_strings.h"
 
-#include "trace/trace.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,15 +1,11 @@
 // Streams an HTML page: template, base64 blocks and JSON, with everything escaped for its place.
 #include "page/page.h"
 
-#include "image/atomic_file.h"
 #include "image/half.h"
 #include "page/page_assets.h"
 #include "page/picture.h"
-#include "reframe/image.h"
 
 #include <math.h>
-#include <stdbool.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,7 +4,6 @@
 #include "film/aov.h"
 #include "output/pass_names.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

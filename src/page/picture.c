@@ -2,10 +2,8 @@
 #include "page/picture.h"
 
 #include "image/jpeg.h"
-#include "reframe/image.h"
 
 #include <math.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>

@@ -14,12 +14,8 @@
 #include "output/frame_file.h"
 #include "page/pass_groups.h"
 #include "reframe/effects.h"
-#include "reframe/image.h"
-#include "reframe/measure.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

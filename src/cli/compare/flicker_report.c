@@ -3,7 +3,6 @@
 
 #include "base/words.h"
 #include "cli/messages.h"
-#include "measure/image_error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,8 +2,6 @@
 #include "cli/options/file_options.h"
 
 #include "base/words.h"
-#include "cli/options/options.h"
-#include "base/json.h"
 
 #include <string.h>
 

@@ -2,21 +2,13 @@
 #include "cli/options/frame_lists.h"
 
 #include "base/words.h"
-#include "cli/messages.h"
 #include "cli/options/file_options.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
-#include "reframe/camera.h"
-#include "reframe/error.h"
-#include "reframe/plan.h"
-#include "scene_file/scene_file.h"
 
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
-#include <jansson.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,6 @@
 #include "cli/options/shot.h"
 
 #include "base/system.h"
-#include "cli/options/render_options.h"
 #include "cli/options/frame_lists.h"
 #include "cli/messages.h"
 #include "trace/trace.h"

@@ -9,7 +9,6 @@
 #include "reframe/output.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define COMMAND "png"

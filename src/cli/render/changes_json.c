@@ -4,8 +4,6 @@
 #include "base/words.h"
 #include "cli/messages.h"
 #include "render/sharing.h"
-#include "scene/scene.h"
-#include "trace/trace.h"
 
 #include <math.h>
 #include <stdio.h>

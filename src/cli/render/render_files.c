@@ -4,19 +4,15 @@
 #include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/render_options.h"
 #include "cli/render/clipped_pixels.h"
-#include "cli/render/render_command.h"
 #include "cli/render/render_json.h"
 #include "cli/report/report_input.h"
 #include "cli/signals.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
 #include "reframe/image.h"
-#include "reframe/output.h"
 #include "trace/trace.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,12 +2,10 @@
 #include "cli/render/render_json.h"
 
 #include "cli/messages.h"
-#include "cli/options/render_options.h"
 #include "cli/render/clipped_pixels.h"
 #include "cli/render/specks_json.h"
 #include "image/colour.h"
 #include "output/names.h"
-#include "reframe/scene.h"
 
 #include <stdio.h>
 

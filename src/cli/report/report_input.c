@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MOST_FRAMES 1000000 // of all ranges; a path has no more
 #define MOST_JSON_BYTES ( (uint64_t)64 << 20 )

@@ -14,7 +14,6 @@
 #include "measure/plot.h"
 #include "measure/tune.h"
 #include "measure/tune_rows.h"
-#include "output/names.h"
 #include "reframe/plan.h"
 #include "render/settings.h"
 #include "base/json.h"
