@@ -36,14 +36,14 @@ int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
     return frames;
 }
 
-double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * row->eyes * rf_tune_passes( row->eyes, passes ); }
+double rf_tune_row_samples( const RfTrialRow* row, int passes ) { return 2.0 * row->eyes * rf_tune_passes( row->eyes, passes ); }
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
     double cost = 0.0;
     for ( int i = 0; i < tune->count; ++i )
     {
-        const RfTuneRow* row = tune->rows + i;
+        const RfTrialRow* row = tune->rows + i;
         double sample = row->rounds > 0 ? rf_trial_sample_seconds( &row->trial ) : row->cost * cost_second;
         cost += candidate[i] ? round->regions * round->pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
     }
@@ -126,7 +126,7 @@ double rf_tune_position( int index )
 }
 
 // Is a row tried sooner than another? A deadline may leave out the last ones.
-static bool goes_before( const RfTuneRow* a, const RfTuneRow* b )
+static bool goes_before( const RfTrialRow* a, const RfTrialRow* b )
 {
     int rank[2] = { rf_is_plain_row( a ) ? 2 : a->usual, rf_is_plain_row( b ) ? 2 : b->usual };
     return rank[0] != rank[1] ? rank[0] > rank[1] : a->efficiency > b->efficiency;
@@ -171,7 +171,7 @@ static RfResult make_regions( Tuner* t, const RfTuneRound* round, int first, RfE
 // The candidates, those first that are to be tried first.
 static int order_candidates( const Tuner* t, int order[RF_TUNE_ROWS] )
 {
-    const RfTuneRow* rows = t->tune->rows;
+    const RfTrialRow* rows = t->tune->rows;
     int count = 0;
     for ( int i = 0; i < t->tune->count; ++i )
     {
@@ -191,17 +191,17 @@ static int take_trials( const RfTrialRuns* runs, const int* order, RfTune* tune 
     int complete = 0;
     for ( int s = 0; s < runs->region_count; ++s )
     {
-        const bool* here = runs->done + s * runs->row_count;
+        const bool* here = runs->done + s * runs->task_count;
         int done = 0;
-        for ( int k = 0; k < runs->row_count; ++k )
+        for ( int k = 0; k < runs->task_count; ++k )
             done += here[k];
-        if ( done < runs->row_count && ( done == 0 || tune->round_count > 0 || s > 0 ) )
+        if ( done < runs->task_count && ( done == 0 || tune->round_count > 0 || s > 0 ) )
             continue;
-        for ( int k = 0; k < runs->row_count; ++k )
+        for ( int k = 0; k < runs->task_count; ++k )
         {
             if ( !here[k] )
                 continue;
-            rf_add_trial( &tune->rows[order[k]].trial, runs->trials + s * runs->row_count + k );
+            rf_add_trial( &tune->rows[order[k]].trial, runs->trials + s * runs->task_count + k );
             tune->rows[order[k]].rounds += complete == 0;
         }
         complete += 1;
@@ -211,18 +211,18 @@ static int take_trials( const RfTrialRuns* runs, const int* order, RfTune* tune 
 
 static RfResult run_round( Tuner* t, const RfTuneRound* round, int* complete, RfError* error )
 {
-    RfTrialRow rows[RF_TUNE_ROWS];
+    RfTrialTask tasks[RF_TUNE_ROWS];
     int order[RF_TUNE_ROWS], count = order_candidates( t, order );
     for ( int k = 0; k < count; ++k )
     {
-        const RfTuneRow* row = t->tune->rows + order[k];
-        rows[k] = ( RfTrialRow ){ rf_tune_settings( row, &t->runs.pilot ), 1, rf_tune_passes( row->eyes, round->passes ) };
+        const RfTrialRow* row = t->tune->rows + order[k];
+        tasks[k] = ( RfTrialTask ){ rf_tune_settings( row, &t->runs.pilot ), 1, rf_tune_passes( row->eyes, round->passes ) };
     }
     *complete = 0;
     double start = rf_wall_seconds();
     RfResult result = make_regions( t, round, t->positions, error );
     if ( result == RF_OK )
-        result = rf_run_trials( &t->runs, rows, count, error );
+        result = rf_run_trials( &t->runs, tasks, count, error );
     if ( t->runs.done != NULL && ( result == RF_OK || result == RF_ERROR_INTERRUPTED ) )
         *complete = take_trials( &t->runs, order, t->tune );
     t->cpu += rf_trial_runs_seconds( &t->runs );

@@ -10,7 +10,7 @@
 #ifndef REFRAME_MEASURE_TUNE_H
 #define REFRAME_MEASURE_TUNE_H
 
-#include "measure/trial.h"
+#include "measure/trial_runs.h"
 
 #define RF_TUNE_GROUPS 9
 #define RF_TUNE_TILES 5
@@ -26,33 +26,6 @@ typedef struct RfTuneRound
     double seconds; // expected, wall-clock
 } RfTuneRound;
 
-typedef struct RfTuneRow
-{
-    int group; // half-width n, clipped to the path
-    int eyes;  // in a full group
-    RfTile tile;
-    int spp;                    // as rendered
-    RfMemoryFit fit;            // of the requested render; only `least` is set if it does not fit
-    double samples;             // own-frame samples of the requested frames, over all sweeps
-    double predicted_gain;      // as in plan.h, relative to the same tile without frame reuse
-    double cost;                // of an own-frame sample, with fixed costs
-    const char* excluded;       // why it is not tried; NULL: it is, as far as the time goes
-    bool usual;                 // what a render takes by itself: of the job's tile the group of RF_GROUP_AUTO
-    int rounds;                 // in which it was tried
-    RfTrial trial;              // sum over those rounds
-    double log_error, log_time; // corrections by the other rows, added to the logarithms of the
-                                // trial's error and time
-    // predictions for the requested render; NaN if not tried
-    double cpu_seconds, seconds; // for all frames
-    double relmse, f1, phi;      // of a frame with `spp` samples
-    double efficiency;           // 1 / (relMSE · CPU seconds of a frame), or with F1 squared in the place of relMSE; before
-                                 // the first round a guess
-    RfInterval error;            // relMSE with its 95 % interval; NaN if not tried
-    RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces; NaN if
-                                 // that was not tried
-    bool chosen;
-} RfTuneRow;
-
 // What settings are compared by, at equal CPU time.
 typedef enum RfTuneGoal
 {
@@ -62,7 +35,7 @@ typedef enum RfTuneGoal
 
 typedef struct RfTune
 {
-    RfTuneRow rows[RF_TUNE_ROWS]; // sorted by tile, then by group
+    RfTrialRow rows[RF_TUNE_ROWS]; // sorted by tile, then by group
     int count;
     RfTuneGoal goal;
     int chosen; // −1: none yet

@@ -21,9 +21,9 @@ static const char s_no_room[] = "does not fit in memory", s_rounded[] = "spp wou
 #define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
 #define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
 
-bool rf_is_plain_row( const RfTuneRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
+bool rf_is_plain_row( const RfTrialRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
 
-RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common )
+RfRenderSettings rf_tune_settings( const RfTrialRow* row, const RfRenderSettings* common )
 {
     RfRenderSettings settings = *common;
     settings.group = row->group;
@@ -49,7 +49,7 @@ static double worth_of( const RfTile* tile )
     return tile->kind == RF_TILE_NONE ? 1.0 : sqrt( tile->kind == RF_TILE_BLOCK ? tile->width * tile->height : tile->width );
 }
 
-static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
+static void take_plan( const RfPlanRow* plan, RfTrialRow* row )
 {
     row->efficiency = plan->gain * worth_of( &row->tile );
     row->fit = plan->fit;
@@ -58,7 +58,7 @@ static void take_plan( const RfPlanRow* plan, RfTuneRow* row )
     row->cost = cost_of( plan );
 }
 
-static RfMemoryFit fit_of( const RfTuneJob* job, const RfTuneRow* row )
+static RfMemoryFit fit_of( const RfTuneJob* job, const RfTrialRow* row )
 {
     RfRenderSettings settings = rf_tune_settings( row, job->settings );
     RfMemoryFit fit;
@@ -75,7 +75,7 @@ static void drop_hopeless( RfTune* tune, int first )
         best = isgreater( tune->rows[i].predicted_gain, tune->rows[best].predicted_gain ) ? i : best;
     for ( int i = best + 1; i < tune->count; ++i )
     {
-        RfTuneRow* row = tune->rows + i;
+        RfTrialRow* row = tune->rows + i;
         if ( row->excluded == NULL && !row->usual && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
             row->excluded = s_hopeless;
     }
@@ -85,7 +85,7 @@ static void drop_hopeless( RfTune* tune, int first )
 static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
 {
     RfRenderSettings settings = *job->settings;
-    settings = rf_tune_settings( &( RfTuneRow ){ .tile = *tile }, &settings );
+    settings = rf_tune_settings( &( RfTrialRow ){ .tile = *tile }, &settings );
     RfPlan plan;
     RfResult result = rf_plan_render( &job->shot, &settings, &plan, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY )
@@ -94,14 +94,14 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
     for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
     {
         RfGroupPlan groups = rf_plan_shots( job->shot.eyes, job->shot.eye_count, s_groups[i], settings.spp );
-        RfTuneRow* row = tune->rows + tune->count++;
-        *row = ( RfTuneRow ){ .group = groups.eyes / 2,
-                              .eyes = groups.eyes,
-                              .tile = *tile,
-                              .spp = groups.spp,
-                              .predicted_gain = NAN,
-                              .efficiency = NAN,
-                              .excluded = s_no_room };
+        RfTrialRow* row = tune->rows + tune->count++;
+        *row = ( RfTrialRow ){ .group = groups.eyes / 2,
+                               .eyes = groups.eyes,
+                               .tile = *tile,
+                               .spp = groups.spp,
+                               .predicted_gain = NAN,
+                               .efficiency = NAN,
+                               .excluded = s_no_room };
         if ( i >= planned || !rf_plan_row_fits( plan.rows + i ) )
             row->fit = fit_of( job, row );
         else
@@ -132,12 +132,8 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
 
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
 {
-    RfRenderSettings asked = *job->settings;
+    RfRenderSettings asked = rf_trial_settings( job->settings );
     asked.group = 0; // auto would compute a further plan
-    asked.noise = asked.flicker = asked.time = 0.0;
-    asked.adaptive = RF_ADAPTIVE_OFF;
-    asked.clamp = asked.clamp_chains = 0.0;
-    asked.aovs &= ~RF_AOV_BIT( RF_AOV_REMOVED );
     RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
     RfRenderSettings listed = *common; // of the render itself, whose memory is said
@@ -186,23 +182,12 @@ static double tune_error( const RfTune* tune, const RfTrial* trial )
     return tune->goal == RF_TUNE_FLICKER ? f1 * f1 : rf_trial_relmse( trial, 1.0 );
 }
 
-static void predict_row( const RfTune* tune, RfTuneRow* row, double pixels, int frames )
+static void predict_row( const RfTune* tune, RfTrialRow* row, double pixels, int frames )
 {
-    const RfTrial* trial = &row->trial;
-    row->cpu_seconds = row->seconds = row->relmse = row->f1 = row->phi = row->efficiency = NAN;
-    row->gain = row->error = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
-    if ( row->rounds == 0 )
-        return;
-    double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
-    row->cpu_seconds = row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * finish;
-    row->seconds = row->cpu_seconds / row->fit.threads;
     bool flicker = tune->goal == RF_TUNE_FLICKER; // what the trials of the other rows correct
-    double factor = flicker ? 1.0 : exp( row->log_error );
-    row->relmse = rf_trial_relmse( trial, row->spp ) * factor;
-    row->error = rf_trial_error( trial );
-    row->error = ( RfInterval ){ row->relmse, row->error.low / row->spp * factor, row->error.high / row->spp * factor };
-    row->f1 = rf_trial_f1( trial, row->spp ) * ( flicker ? exp( 0.5 * row->log_error ) : 1.0 );
-    row->phi = rf_trial_phi( trial );
+    rf_predict_trial_row( row, pixels, frames, flicker ? 1.0 : exp( row->log_error ) );
+    row->f1 *= flicker ? exp( 0.5 * row->log_error ) : 1.0;
+    row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
     double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;
     row->efficiency = isgreater( cost, 0.0 ) ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
@@ -217,7 +202,7 @@ static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
 }
 
 // Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
-static RfInterval gain_over( RfTuneGoal goal, const RfTuneRow* plain, const RfTuneRow* row )
+static RfInterval gain_over( RfTuneGoal goal, const RfTrialRow* plain, const RfTrialRow* row )
 {
     RfInterval gain =
         goal == RF_TUNE_FLICKER ? flicker_gain( &plain->trial, &row->trial ) : rf_trial_gain( &plain->trial, &row->trial );
@@ -228,12 +213,12 @@ static RfInterval gain_over( RfTuneGoal goal, const RfTuneRow* plain, const RfTu
 
 void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
 {
-    const RfTuneRow* plain = NULL;
+    const RfTrialRow* plain = NULL;
     int rounds = 0;
     tune->chosen = -1;
     for ( int i = 0; i < tune->count; ++i )
     {
-        RfTuneRow* row = tune->rows + i;
+        RfTrialRow* row = tune->rows + i;
         predict_row( tune, row, pixels, frames );
         row->chosen = false;
         rounds = row->rounds > rounds ? row->rounds : rounds;
@@ -241,7 +226,7 @@ void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
     }
     for ( int i = 0; i < tune->count; ++i )
     {
-        RfTuneRow* row = tune->rows + i;
+        RfTrialRow* row = tune->rows + i;
         if ( plain != NULL && row->rounds > 0 )
             row->gain = gain_over( tune->goal, plain, row );
         if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&

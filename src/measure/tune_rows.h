@@ -5,10 +5,10 @@
 #include "measure/tune.h"
 
 // Is the row path tracing, with which all are compared?
-bool rf_is_plain_row( const RfTuneRow* row );
+bool rf_is_plain_row( const RfTrialRow* row );
 
 // The settings of a row, based on the job's.
-RfRenderSettings rf_tune_settings( const RfTuneRow* row, const RfRenderSettings* common );
+RfRenderSettings rf_tune_settings( const RfTrialRow* row, const RfRenderSettings* common );
 
 // Lists all rows for the path with their memory and costs. `common` receives the job's
 // settings, resolved except for the group. Fails if no row can be tried.
@@ -31,7 +31,7 @@ int rf_tune_passes( int eyes, int passes );
 int rf_tune_region_frames( const RfTune* tune, const bool* candidate );
 
 // Own-frame samples per pixel traced that a trial of the row takes.
-double rf_tune_row_samples( const RfTuneRow* row, int passes );
+double rf_tune_row_samples( const RfTrialRow* row, int passes );
 
 // What is known before a round.
 typedef struct RfTuneOutlook
@@ -40,7 +40,7 @@ typedef struct RfTuneOutlook
     int width, height;  // of the requested render
     double left;        // wall-clock seconds
     double rate;        // CPU seconds per wall-clock second
-    double cost_second; // seconds per unit of RfTuneRow.cost, for rows without a trial
+    double cost_second; // seconds per unit of RfTrialRow.cost, for rows without a trial
     size_t memory;      // bytes, for all trials that run in parallel
     int workers;
     int passes; // at the least, of each trial

@@ -2,7 +2,7 @@
 #include "cli/tune/split_costs.h"
 
 #include "cli/messages.h"
-#include "measure/trial.h"
+#include "measure/trial_runs.h"
 #include "scene/light_groups.h"
 
 #include <math.h>
@@ -39,10 +39,8 @@ static RfResult measure_time( const RfShot* shot, const RfRenderSettings* settin
     RfResult result = rf_create_test_region( shot, NULL, &site, plain, &region, error );
     for ( int k = 0; k < 2 && result == RF_OK; ++k )
     {
-        RfRenderSettings one = k == 0 ? *plain : *settings;
+        RfRenderSettings one = rf_trial_settings( k == 0 ? plain : settings );
         one.threads = 1;
-        one.noise = one.flicker = one.time = 0.0;
-        one.adaptive = RF_ADAPTIVE_OFF;
         result = rf_run_trial( &region, 1, PASSES, &one, trials + k, error );
     }
     rf_destroy_test_region( &region );
