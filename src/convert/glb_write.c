@@ -638,8 +638,5 @@ RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, R
     if ( result != RF_OK )
         return result;
     result = rf_append_glb( &file, model, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }

@@ -200,8 +200,5 @@ RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog
         const char* failure = read_messages( &messages, counts, log );
         result = report_end( run, end, status, no_memory, failure, error );
     }
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }

@@ -200,10 +200,7 @@ static RfResult write_file( const Writer* settings, const RfImage* image, const 
     {
         result = write_image( writer, image, alpha );
         png_destroy_write_struct( &writer->png, &writer->info );
-        if ( result == RF_OK )
-            result = rf_commit_atomic_file( &writer->file, error );
-        else
-            rf_discard_atomic_file( &writer->file );
+        result = rf_end_atomic_file( &writer->file, result, error );
     }
     destroy_writer( writer );
     return result;

@@ -261,3 +261,12 @@ RfResult rf_measure_error( const RfImage* image, const RfImage* reference, RfErr
     rf_destroy_summary( &summary );
     return result;
 }
+
+RfResult rf_measure_frame( RfErrorSummary* summary, int frames, const RfImage* image, const RfImage* reference,
+                           RfErrorMetrics* metrics, RfError* error )
+{
+    RfResult result = rf_measure_error( image, reference, metrics, error );
+    if ( result == RF_OK && summary->frames == 0 )
+        result = rf_create_summary( image->width, image->height, frames, summary, error );
+    return result == RF_OK ? rf_summary_add( summary, image, reference, error ) : result;
+}

@@ -83,4 +83,8 @@ RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const Rf
 // The measures over all frames added so far.
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary );
 
+// Measures a frame alone, and adds it to the summary, which is created for `frames` frames where it is all zero.
+RfResult rf_measure_frame( RfErrorSummary* summary, int frames, const RfImage* image, const RfImage* reference,
+                           RfErrorMetrics* metrics, RfError* error );
+
 #endif

@@ -161,10 +161,7 @@ RfResult rf_end_page( RfPage* page, const char* json, RfError* error )
     put_until( page, "{{script}}" );
     put_text( page, rf_page_js );
     put_until( page, NULL );
-    if ( page->result == RF_OK )
-        return rf_commit_atomic_file( &page->file, error );
-    rf_discard_atomic_file( &page->file );
-    return page->result;
+    return rf_end_atomic_file( &page->file, page->result, error );
 }
 
 void rf_discard_page( RfPage* page ) { rf_discard_atomic_file( &page->file ); }

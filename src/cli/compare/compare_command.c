@@ -329,7 +329,6 @@ typedef struct Compare
     bool quiet;
     bool table; // the table goes to standard output
     RfErrorSummary all;
-    bool has_all;       // `all` has been created, for the first frame's size
     RfWorstPixel worst; // of all frames so far, where the files have it
     size_t clipped[2];  // pixels of A and B, over all frames
     json_t* rows;
@@ -433,14 +432,7 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
 {
     RfErrorMetrics metrics;
     const RfImage *image = pair->images, *reference = pair->images + 1;
-    RfResult result = rf_measure_error( image, reference, &metrics, error );
-    if ( result == RF_OK && !compare->has_all )
-    {
-        result = rf_create_summary( image->width, image->height, compare->in.count, &compare->all, error );
-        compare->has_all = result == RF_OK;
-    }
-    if ( result == RF_OK )
-        result = rf_summary_add( &compare->all, image, reference, error );
+    RfResult result = rf_measure_frame( &compare->all, compare->in.count, image, reference, &metrics, error );
     if ( result != RF_OK )
     {
         char reason[512];
@@ -539,8 +531,7 @@ static RfResult run( void* user, RfError* error )
     if ( result == RF_OK )
         result = finish( compare, error );
     json_decref( compare->rows );
-    if ( compare->has_all )
-        rf_destroy_summary( &compare->all );
+    rf_destroy_summary( &compare->all );
     return result;
 }
 

@@ -23,6 +23,16 @@ RfResult rf_parse_frames( const char* text, const int* there, int there_count, i
 RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
                            RfError* error );
 
+// "A" or "A-B", with '@' before it or "xSTEP" behind it.
+typedef struct RfFrameRange
+{
+    bool is_own;            // written with '@': numbers as the path has them
+    long first, last, step; // as written: else negative from the end
+} RfFrameRange;
+
+// Parses a range up to a comma or the end, and advances *text to there. `step`: where none is written. False: it is none.
+bool rf_take_frame_range( const char** text, long step, RfFrameRange* range );
+
 // What a command reads frame by frame: a file, a sequence named with ####, or the folder of one.
 
 #define RF_FILE_NAME_SIZE 4096

@@ -29,10 +29,7 @@ static RfResult write_file( const char* name, const void* bytes, size_t size, Rf
         return result;
     file.unsynced = true; // the next replaces it
     result = rf_append_atomic_file( &file, bytes, size, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }
 
 // Reports before the work that it cannot be written.
