@@ -3,7 +3,6 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shared_options.h"
-#include "cli/render/changes_json.h"
 #include "cli/render/render_json.h"
 #include "film/cryptomatte.h"
 #include "light/changing.h"

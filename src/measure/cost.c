@@ -3,13 +3,11 @@
 
 #include "base/system.h"
 #include "measure/image_error.h"
-#include "measure/trial_runs.h"
+#include "render/estimator.h"
 #include "render/groups.h"
 #include "render/settings.h"
-#include "render/estimator.h"
 #include "reuse/tile/tile.h"
 #include "scene/leave_out.h"
-#include "trace/trace.h"
 
 #include <limits.h>
 #include <math.h>

@@ -3,14 +3,10 @@
 
 #include "base/words.h"
 #include "cli/options/file_options.h"
-#include "cli/options/options.h"
 #include "cli/options/shared_options.h"
 #include "image/colour.h"
 #include "image/exr.h"
 #include "output/names.h"
-#include "reframe/camera.h"
-#include "reframe/effects.h"
-#include "reframe/render.h"
 #include "render/estimator.h"
 #include "scene/light_groups.h"
 #include "scene_file/scene_file.h"
@@ -18,6 +14,30 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count )
+{
+    int* runs = malloc( ( (size_t)frame_count + 1 ) * sizeof *runs );
+    *run_count = 0;
+    for ( int i = 0; i < frame_count && runs != NULL; ++i )
+    {
+        int run = path->run_of_frame[frames[i]];
+        if ( *run_count == 0 || runs[*run_count - 1] != run )
+            runs[( *run_count )++] = run;
+    }
+    return runs;
+}
+
+#define LITTLE_LIGHT 0.0005 // of all: JSON and headers alone say it
+
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error )
+{
+    RfResult result = rf_find_light_beyond_depth( shot, settings, share, error );
+    if ( result == RF_OK && *share >= LITTLE_LIGHT )
+        rf_warn( log, "--max-depth %d: about %.2g %% of the light is beyond and missing: raise it, or leave it out",
+                 settings->max_depth, 100.0 * *share );
+    return result;
+}
 
 // What a parse has found so far. Every parse starts from the defaults; the result is copied out.
 typedef struct RenderParse

@@ -112,4 +112,11 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 // The option that decides on an effect, such as "--aov albedo"; NULL where the scene or the camera does.
 const char* rf_effect_option( RfEffectId effect );
 
+// Warns where max_depth takes light, and says its share; 0 without a limit.
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error );
+
+// The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
+// caller frees them; NULL where memory ran out.
+int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
+
 #endif

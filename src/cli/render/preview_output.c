@@ -8,11 +8,8 @@
 #include "image/png.h"
 #include "page/page_assets.h"
 #include "page/pass_groups.h"
-#include "page/picture.h"
 #include "scene/scene.h"
-#include "trace/trace.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

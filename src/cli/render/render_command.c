@@ -3,23 +3,11 @@
 
 #include "base/system.h"
 #include "cli/commands.h"
-#include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/render_options.h"
-#include "cli/options/shot.h"
-#include "cli/render/changes_json.h"
-#include "cli/render/clipped_pixels.h"
-#include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
-#include "cli/render/specks_json.h"
 #include "cli/signals.h"
 #include "film/cryptomatte.h"
-#include "reframe/camera.h"
-#include "reframe/effects.h"
-#include "reframe/output.h"
-#include "reframe/plan.h"
-#include "reframe/render.h"
 #include "render/estimator.h"
 #include "render/settings.h"
 #include "scene/placement.h"
@@ -27,9 +15,7 @@
 #include "scene_file/scene_file.h"
 #include "trace/trace.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

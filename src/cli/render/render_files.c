@@ -4,7 +4,6 @@
 #include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/render/clipped_pixels.h"
 #include "cli/render/render_json.h"
 #include "cli/report/report_input.h"
 #include "cli/signals.h"

@@ -10,10 +10,9 @@
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
 #include "cli/report/report_input.h"
-#include "cli/view/view_options.h"
+#include "cli/view/view.h"
 #include "measure/flicker.h"
 #include "measure/image_error.h"
-#include "page/matte_names.h"
 #include "page/page.h"
 #include "page/pass_groups.h"
 

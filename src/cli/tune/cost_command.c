@@ -6,10 +6,8 @@
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
 #include "cli/tune/trial_command.h"
-#include "cli/tune/verdict.h"
 #include "measure/cost.h"
 #include "measure/plot.h"
-#include "base/json.h"
 #include "scene/leave_out.h"
 
 #include <jansson.h>

@@ -1,21 +1,19 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
-#include "base/system.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
-#include "cli/tune/split_costs.h"
 #include "cli/tune/trial_command.h"
-#include "cli/tune/verdict.h"
 #include "measure/plot.h"
+#include "measure/trial_runs.h"
 #include "measure/tune.h"
-#include "measure/tune_rows.h"
 #include "reframe/plan.h"
+#include "reframe/render.h"
 #include "render/settings.h"
-#include "base/json.h"
+#include "scene/light_groups.h"
 
 #include <ctype.h>
 #include <jansson.h>
@@ -23,6 +21,100 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// What it costs to split the light of a render by groups (--light-groups) and passes (--aov emission and so on): memory by the plan, time by
+// short renders with and without.
+
+typedef struct SplitCosts
+{
+    int films;                      // more of each frame; 0: nothing is asked for
+    size_t bytes_films, bytes_hits; // more
+    double time_share;              // more time, as a share of that without; NaN: not measured
+} SplitCosts;
+
+#define PIXELS 4096.0 // of each frame that is measured
+#define PASSES 2
+
+static RfRenderSettings without_split( const RfRenderSettings* settings )
+{
+    RfRenderSettings plain = *settings;
+    plain.light_groups = NULL;
+    plain.aovs &= ~RF_PASS_AOVS;
+    return plain;
+}
+
+static RfResult count_films( const RfShot* shot, const RfRenderSettings* settings, int* films, RfError* error )
+{
+    RfLightGroups groups;
+    RfResult result = rf_find_light_groups( rf_tracer_scene( shot->tracer ), settings->light_groups, &groups, error );
+    if ( result != RF_OK )
+        return result;
+    *films = groups.count + __builtin_popcount( settings->aovs & RF_PASS_AOVS );
+    rf_destroy_light_groups( &groups );
+    return RF_OK;
+}
+
+static RfResult measure_time( const RfShot* shot, const RfRenderSettings* settings, const RfRenderSettings* plain, double* share,
+                              RfError* error )
+{
+    RfTestRegion region;
+    RfTrial trials[2] = { 0 };
+    RfTestSite site = { .centre = shot->eye_count / 2, .frames = 2 * settings->group + 1, .pixels = PIXELS };
+    RfResult result = rf_create_test_region( shot, NULL, &site, plain, &region, error );
+    for ( int k = 0; k < 2 && result == RF_OK; ++k )
+    {
+        RfRenderSettings one = rf_trial_settings( k == 0 ? plain : settings );
+        one.threads = 1;
+        result = rf_run_trial( &region, 1, PASSES, &one, trials + k, error );
+    }
+    rf_destroy_test_region( &region );
+    if ( result == RF_OK )
+        *share = rf_trial_sample_seconds( trials + 1 ) / rf_trial_sample_seconds( trials ) - 1.0;
+    return result;
+}
+
+// Of a render of the shot with these settings, whose group is known. `measure`: the time is measured on some pixels.
+static RfResult find_split_costs( const RfShot* shot, const RfRenderSettings* settings, bool measure, SplitCosts* costs,
+                                  RfError* error )
+{
+    RfMemoryFit fit[2];
+    RfRenderSettings plain = without_split( settings );
+    *costs = ( SplitCosts ){ .time_share = (double)NAN };
+    RfResult result = count_films( shot, settings, &costs->films, error );
+    if ( result != RF_OK || costs->films == 0 )
+        return result;
+    result = rf_fit_memory( shot, settings, fit, error );
+    if ( result == RF_OK )
+        result = rf_fit_memory( shot, &plain, fit + 1, error );
+    if ( result != RF_OK )
+        return result;
+    size_t of_batch = fit[0].bytes_hits / (size_t)fit[0].batches - fit[1].bytes_hits / (size_t)fit[1].batches;
+    costs->bytes_films = fit[0].bytes_films > fit[1].bytes_films ? fit[0].bytes_films - fit[1].bytes_films : 0;
+    costs->bytes_hits = of_batch * (size_t)fit[0].batches;
+    return measure ? measure_time( shot, settings, &plain, &costs->time_share, error ) : RF_OK;
+}
+
+// A line; nothing where there are none.
+static void print_split_costs( const SplitCosts* costs )
+{
+    char time[64] = "time: not measured";
+    if ( costs->films == 0 )
+        return;
+    if ( isfinite( costs->time_share ) )
+        snprintf( time, sizeof time, "%.0f %% more time", 100.0 * fmax( costs->time_share, 0.0 ) );
+    rf_print( "light groups and passes: %d film%s more of each frame, %.1f MiB of films and %.1f MiB of hits more, %s\n",
+              costs->films, costs->films == 1 ? "" : "s", (double)costs->bytes_films / 1048576.0,
+              (double)costs->bytes_hits / 1048576.0, time );
+}
+
+// Null where there are none.
+static json_t* split_costs_json( const SplitCosts* costs )
+{
+    if ( costs->films == 0 )
+        return json_null();
+    return json_pack( "{s:i, s:I, s:I, s:o}", "films", costs->films, "bytes_films", (json_int_t)costs->bytes_films, "bytes_hits",
+                      (json_int_t)costs->bytes_hits, "time_share", rf_json_number( costs->time_share ) );
+}
 
 static RfTrialOptions s_given; // the table points here
 static int s_goal;             // an RfTuneGoal
@@ -35,7 +127,7 @@ typedef struct Job
     RfTune tune;
     RfRanges ranges; // for --nodes; its list is NULL: none
     char* best;      // the command line of the winner; NULL: there is none
-    RfSplitCosts split;
+    SplitCosts split;
 } Job;
 
 static double fit_mib( const RfMemoryFit* fit )
@@ -252,7 +344,7 @@ static void print_tune( const void* user )
         print_rows( r );
         print_default( r );
     }
-    rf_print_split_costs( &r->split );
+    print_split_costs( &r->split );
     if ( r->best != NULL )
         printf( "* best:\n%s\n", r->best );
     if ( r->ranges.list != NULL )
@@ -325,7 +417,7 @@ static json_t* tune_json( const void* user )
                    record, "seconds", r->tune.seconds, "budget", s_given.budget, "frames", r->command.shot.frame_count, "width",
                    size.width, "height", size.height, "command", r->best != NULL ? rf_json_text( r->best ) : json_null() );
     json_object_set_new( json, "beyond_depth_share", rf_json_number( r->command.beyond_depth ) );
-    json_object_set_new( json, "split_light", rf_split_costs_json( &r->split ) );
+    json_object_set_new( json, "split_light", split_costs_json( &r->split ) );
     if ( r->ranges.list != NULL )
         json_object_set_new( json, "nodes", rf_ranges_json( &r->ranges ) );
     return json;
@@ -610,7 +702,7 @@ static RfResult finish( void* user, RfError* error )
     asked.group = best != NULL ? best->group : job->plan.rows[job->plan.chosen].group;
     asked.tile = best != NULL ? best->tile : asked.tile;
     RfResult result = rf_resolve_settings( &job->command.shot, &asked, &settings, error );
-    return result == RF_OK ? rf_find_split_costs( &job->command.shot, &settings, best != NULL, &job->split, error ) : result;
+    return result == RF_OK ? find_split_costs( &job->command.shot, &settings, best != NULL, &job->split, error ) : result;
 }
 
 // What is known without rendering. With short renders another tile may fit where this one does not.
