@@ -2,7 +2,7 @@
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
-#include "measure/sequences.h"
+#include "measure/image_error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,7 +10,6 @@
 #include "cli/render/progress.h"
 #include "image/sequence.h"
 #include "measure/image_error.h"
-#include "measure/sequences.h"
 #include "output/frame_file.h"
 #include "page/pass_groups.h"
 #include "reframe/effects.h"
