@@ -1,8 +1,6 @@
-// Measures what accuracy costs in time on this scene and machine. A few frames of the path are
-// rendered with increasing sample counts, by path tracing and with reuse, and their errors are
-// measured without a reference (trial.h). The error of an unbiased estimator is proportional
-// to 1 / samples, so all measurements together predict the seconds to any error; their spread
-// over positions and sample counts gives the confidence interval.
+// Measures what accuracy costs in time: a few frames of the path are rendered with increasing sample counts, by path tracing and with
+// reuse, and their errors are measured without a reference (trial.h). The error of an unbiased estimator is proportional to
+// 1 / samples, so all measurements together predict the seconds to any error; their spread gives the confidence interval.
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 

@@ -1,12 +1,9 @@
-// Finds the best group and tile for a path on this machine, within a time budget, by
-// successive halving over trials (trial.h). The first round tries all settings on small pieces of the picture
-// at few positions on the path; each later round keeps the best, and path tracing to compare them with, and tries them on
-// larger and more pieces at other positions.
+// Finds the best group and tile for a path within a time budget, by successive halving over trials (trial.h). The first round tries all
+// settings on small pieces of the picture at few positions on the path; each later round keeps the best, and path tracing to compare
+// them with, and tries them on larger and more pieces at other positions.
 //
-// All settings of a round use the same positions, the same pilot images for relMSE and the
-// same seeds. Errors are summed over all positions before they are compared: relMSE is
-// dominated by few pixels, and a mean of ratios would have a bias that depends on the noise. A
-// row also borrows strength from the trials of the other rows (rf_smooth_tune_rows).
+// Errors are summed over all positions before they are compared: relMSE is dominated by few pixels, and a mean of ratios would have a
+// bias that depends on the noise. A row also borrows strength from the trials of the other rows (rf_smooth_tune_rows).
 #ifndef REFRAME_MEASURE_TUNE_H
 #define REFRAME_MEASURE_TUNE_H
 

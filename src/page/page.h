@@ -1,6 +1,5 @@
-// Writes a self-contained HTML page: a template of markup, style and script that is compiled
-// into the program, blocks of bytes as base64, and JSON data. The page loads nothing else, so
-// it works from a local file without a network. Written atomically.
+// Writes a self-contained HTML page, atomically: a template of markup, style and script that is compiled into the program, blocks of
+// bytes as base64, and JSON data.
 #ifndef REFRAME_PAGE_PAGE_H
 #define REFRAME_PAGE_PAGE_H
 
@@ -29,11 +28,9 @@ RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, siz
 // Ends the page with its JSON data and commits the file. On failure the page is discarded.
 RfResult rf_end_page( RfPage* page, const char* json, RfError* error );
 
-// Removes the unfinished page.
 void rf_discard_page( RfPage* page );
 
-// Scene values of a frame, for the pixel probe of the page: linear, as half floats. Pictures
-// (page/picture.h) are close to them, but not exact.
+// Scene values of a frame, for the pixel probe of the page: linear, as half floats.
 //
 // Layout, little-endian: factor, columns, rows (16 bits each); then columns · rows values of red,
 // green and blue as half floats, interleaved, rows from top to bottom. A value is the mean of a box
