@@ -129,6 +129,17 @@ json_t* rf_json_texts( const char* const* texts, int count )
 
 json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
 
+json_t* rf_json_add( json_t* object, const char* format, ... )
+{
+    va_list args;
+    va_start( args, format );
+    json_t* more = json_vpack_ex( NULL, 0, format, args );
+    va_end( args );
+    json_object_update( object, more );
+    json_decref( more );
+    return object;
+}
+
 json_t* rf_set_figures( json_t* object, const RfFigure* figures )
 {
     for ( ; figures->key != NULL; ++figures )

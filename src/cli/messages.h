@@ -52,6 +52,9 @@ json_t* rf_json_frames( const int* frames, int count );
 // A JSON number, null where it is not finite.
 json_t* rf_json_number( double value );
 
+// Adds keys to an object, as json_pack has them, and returns it: "s:o*" leaves out a key whose value is NULL.
+json_t* rf_json_add( json_t* object, const char* format, ... );
+
 // A key and its number, null where it is not finite.
 typedef struct RfFigure
 {

@@ -56,21 +56,14 @@ static void print_error_row( const char* frame, const RfErrorMetrics* metrics )
             metrics->inf + metrics->reference_inf );
 }
 
-static void set_metrics( json_t* object, const RfErrorMetrics* m )
+static void set_metrics( json_t* object, const RfErrorMetrics* m, const size_t clipped[2] )
 {
     RF_SET_FIGURES( object, { "relmse", m->relmse }, { "relmse_trimmed", m->relmse_trimmed }, { "mse", m->mse },
-                    { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max } );
-    json_object_set_new( object, "nan", json_integer( (json_int_t)m->nan ) );
-    json_object_set_new( object, "inf", json_integer( (json_int_t)m->inf ) );
-    json_object_set_new( object, "reference_nan", json_integer( (json_int_t)m->reference_nan ) );
-    json_object_set_new( object, "reference_inf", json_integer( (json_int_t)m->reference_inf ) );
-    json_object_set_new( object, "reference_mean", rf_json_number( m->reference_mean ) );
-}
-
-static void set_clipped( json_t* object, const size_t clipped[2] )
-{
-    json_object_set_new( object, "clipped", json_integer( (json_int_t)clipped[0] ) );
-    json_object_set_new( object, "reference_clipped", json_integer( (json_int_t)clipped[1] ) );
+                    { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max },
+                    { "reference_mean", m->reference_mean } );
+    rf_json_add( object, "{s:I, s:I, s:I, s:I, s:I, s:I}", "nan", (json_int_t)m->nan, "inf", (json_int_t)m->inf, "reference_nan",
+                 (json_int_t)m->reference_nan, "reference_inf", (json_int_t)m->reference_inf, "clipped", (json_int_t)clipped[0],
+                 "reference_clipped", (json_int_t)clipped[1] );
 }
 
 static json_t* worst_json( int frame, const RfWorstPixel* worst )
@@ -78,27 +71,6 @@ static json_t* worst_json( int frame, const RfWorstPixel* worst )
     return worst->frame < 0 ? json_null()
                             : json_pack( "{s:i, s:i, s:i, s:o}", "frame", frame, "x", worst->x, "y", worst->y, "relative",
                                          rf_json_number( worst->relative ) );
-}
-
-// One element of "frames".
-static json_t* error_frame_json( int frame, const RfErrorMetrics* metrics )
-{
-    json_t* row = json_object();
-    json_object_set_new( row, "frame", json_integer( frame ) );
-    set_metrics( row, metrics );
-    json_object_set_new( row, "worst", worst_json( frame, &metrics->worst ) );
-    return row;
-}
-
-// The complete JSON; takes ownership of `rows`. `worst_frame` is the number of the frame with the worst pixel.
-static json_t* error_json( json_t* rows, const RfErrorMetrics* metrics, int worst_frame, const char* verdict )
-{
-    json_t* object = json_object();
-    json_object_set_new( object, "frames", rows );
-    set_metrics( object, metrics );
-    json_object_set_new( object, "worst", worst_json( worst_frame, &metrics->worst ) );
-    json_object_set_new( object, "verdict", rf_json_text( verdict ) );
-    return object;
 }
 
 // In percent of the reference's brightness, where it has one. Clipped pixels lack light, so their bias is not that of the renders.
@@ -177,9 +149,9 @@ static void print_missing( const CompareFrames* frames )
 static void set_missing( json_t* json, const CompareFrames* frames )
 {
     const RfFramePairs* pairs = &frames->pairs;
-    json_object_set_new( json, "missing", rf_json_frames( frames->missing, frames->missing_count ) );
-    json_object_set_new( json, "missing_a", rf_json_frames( pairs->lacking[0], pairs->lacking_count[0] ) );
-    json_object_set_new( json, "missing_b", rf_json_frames( pairs->lacking[1], pairs->lacking_count[1] ) );
+    rf_json_add( json, "{s:o, s:o, s:o}", "missing", rf_json_frames( frames->missing, frames->missing_count ), "missing_a",
+                 rf_json_frames( pairs->lacking[0], pairs->lacking_count[0] ), "missing_b",
+                 rf_json_frames( pairs->lacking[1], pairs->lacking_count[1] ) );
 }
 
 // Of the sequence that has a frame which both are to have, but for folders, whose common frames are measured.
@@ -445,8 +417,8 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
         print_error_head();
     if ( compare->table )
         print_error_row( number, &metrics );
-    json_t* row = error_frame_json( frame, &metrics );
-    set_clipped( row, pair->clipped );
+    json_t* row = json_pack( "{s:i, s:o}", "frame", frame, "worst", worst_json( frame, &metrics.worst ) );
+    set_metrics( row, &metrics, pair->clipped );
     json_array_append_new( compare->rows, row );
     for ( int i = 0; i < 2; ++i )
         compare->clipped[i] += pair->clipped[i];
@@ -500,9 +472,10 @@ static RfResult finish( Compare* compare, RfError* error )
     RfResult result = RF_OK;
     if ( compare->json != NULL )
     {
-        json_t* json = error_json( json_incref( compare->rows ), &metrics, worst, verdict );
+        json_t* json = json_pack( "{s:O, s:o, s:o}", "frames", compare->rows, "worst", worst_json( worst, &metrics.worst ),
+                                  "verdict", rf_json_text( verdict ) );
+        set_metrics( json, &metrics, compare->clipped );
         set_missing( json, &compare->in );
-        set_clipped( json, compare->clipped );
         result = rf_write_json( compare->json, json, error );
     }
     if ( result == RF_OK )

@@ -241,9 +241,7 @@ json_t* rf_trial_row_json( json_t* object, const RfTrialRow* row )
 {
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &row->tile, tile );
-    json_object_set_new( object, "group", json_integer( row->group ) );
-    json_object_set_new( object, "tile", json_string( tile ) );
-    json_object_set_new( object, "spp", json_integer( row->spp ) );
+    rf_json_add( object, "{s:i, s:s, s:i}", "group", row->group, "tile", tile, "spp", row->spp );
     return RF_SET_FIGURES( object, { "seconds", row->seconds }, { "cpu_seconds", row->cpu_seconds }, { "relmse", row->relmse } );
 }
 

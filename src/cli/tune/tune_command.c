@@ -363,14 +363,11 @@ static json_t* memory_json( int eyes, const RfMemoryFit* fit, const char* exclud
 static json_t* group_json( const RfPlanRow* row, const char* tile )
 {
     json_t* json = memory_json( row->eyes, &row->fit, row->excluded );
-    json_object_set_new( json, "group", json_integer( row->group ) );
-    json_object_set_new( json, "tile", json_string( tile ) );
-    json_object_set_new( json, "spp", json_integer( row->spp ) );
+    rf_json_add( json, "{s:i, s:s, s:i, s:b}", "group", row->group, "tile", tile, "spp", row->spp, "chosen", row->chosen );
     json_object_set_new( json, "rays",
                          RF_SET_FIGURES( json_object(), { "primary", row->rays_primary }, { "path", row->rays_path },
                                          { "shadow", row->rays_shadow }, { "tile", row->rays_tile }, { "eye", row->rays_eye } ) );
     RF_SET_FIGURES( json, { "reach", row->reach }, { "predicted_gain", row->gain } );
-    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
     return json;
 }
 
@@ -381,10 +378,7 @@ static json_t* row_json( const RfTrialRow* row )
                     { "relmse_high", row->error.high }, { "flicker", row->f1 }, { "phi", row->phi },
                     { "efficiency", row->efficiency }, { "gain", row->gain.value }, { "gain_low", row->gain.low },
                     { "gain_high", row->gain.high } );
-    json_object_set_new( json, "rounds", json_integer( row->rounds ) );
-    json_object_set_new( json, "default", json_boolean( row->usual ) );
-    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
-    return json;
+    return rf_json_add( json, "{s:i, s:b, s:b}", "rounds", row->rounds, "default", row->usual, "chosen", row->chosen );
 }
 
 static json_t* tune_json( const void* user )
@@ -416,11 +410,8 @@ static json_t* tune_json( const void* user )
                    plan->why, "adaptive_mode", rf_adaptive_name( plan->adaptive ), "at_most", at_most( settings ), "bytes_record",
                    record, "seconds", r->tune.seconds, "budget", s_given.budget, "frames", r->command.shot.frame_count, "width",
                    size.width, "height", size.height, "command", r->best != NULL ? rf_json_text( r->best ) : json_null() );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->command.beyond_depth ) );
-    json_object_set_new( json, "split_light", split_costs_json( &r->split ) );
-    if ( r->ranges.list != NULL )
-        json_object_set_new( json, "nodes", rf_ranges_json( &r->ranges ) );
-    return json;
+    return rf_json_add( json, "{s:o, s:o, s:o*}", "beyond_depth_share", rf_json_number( r->command.beyond_depth ), "split_light",
+                        split_costs_json( &r->split ), "nodes", r->ranges.list != NULL ? rf_ranges_json( &r->ranges ) : NULL );
 }
 
 typedef struct Curves
