@@ -2,8 +2,8 @@
 #define _XOPEN_SOURCE 700 // setenv, readlink
 #include "cli/commands.h"
 #include "cli/help.h"
-#include "cli/options/options.h"
 #include "cli/messages.h"
+#include "cli/options/options.h"
 #include "cli/signals.h"
 #include "trace/trace.h"
 

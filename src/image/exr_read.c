@@ -3,7 +3,7 @@
 
 #include "base/file.h"
 #include "image/atomic_file.h"
-#include "image/exr_dwa.h"
+#include "image/exr_stream.h"
 #include "image/exr_layer.h"
 #include "image/half.h"
 

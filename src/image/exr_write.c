@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "image/atomic_file.h"
 #include "image/colour.h"
-#include "image/exr_dwa.h"
 #include "image/exr_stream.h"
 #include "image/half.h"
 

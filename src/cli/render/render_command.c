@@ -653,27 +653,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
 static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* error )
 {
     const RfRenderOptions* options = &job->options;
-    RfRenderRun run = { .stats = &job->stats,
-                        .seconds = rf_wall_seconds() - job->start,
-                        .seconds_scene = job->seconds_scene,
-                        .frames =
-                            rf_join_kept_frames( options, &job->scene, &job->path, job->kept, job->kept_count, job->frames_json ),
-                        .kept = job->kept_count,
-                        .warnings = job->reported.lines,
-                        .repeated = job->frame_count - job->run_count,
-                        .effects = job->effects,
-                        .effect_count = job->effect_count,
-                        .beyond_depth = job->output.beyond_depth,
-                        .interrupted = interrupted };
-    json_t* json = rf_render_json( options, &run );
-    const RfScene* scene = &job->scene;
-    json_object_set_new( json, "export_losses",
-                         rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ) );
-    json_object_set_new( json, "export_warnings",
-                         rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ) );
-    json_object_set_new(
-        json, "halo",
-        json_pack( "{s:f, s:i, s:f}", "share", job->halo.share, "group", job->halo.group, "saved", job->halo.saved ) );
+    json_t* json = rf_render_json( job, rf_join_kept_frames( job ), interrupted );
     if ( job->scene.movement != NULL )
         rf_add_changes( &job->scene, interrupted ? NULL : job->tracer, options, json, NULL );
     return rf_write_json( options->json, json, error );

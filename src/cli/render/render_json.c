@@ -2,6 +2,8 @@
 // clips; what moves in a scene.
 #include "cli/render/render_json.h"
 
+#include "base/system.h"
+#include "cli/render/render_command.h"
 #include "base/words.h"
 #include "cli/messages.h"
 #include "image/colour.h"
@@ -488,12 +490,12 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
 }
 
 // The names of effects that are on, left out or forced.
-static json_t* names_json( const RfRenderRun* run, bool on, bool left_out, bool forced )
+static json_t* names_json( const RfRenderJob* job, bool on, bool left_out, bool forced )
 {
     json_t* names = json_array();
-    for ( int i = 0; i < run->effect_count; ++i )
+    for ( int i = 0; i < job->effect_count; ++i )
     {
-        const RfEffect* e = run->effects + i;
+        const RfEffect* e = job->effects + i;
         if ( ( on && e->on ) || ( left_out && e->left_out ) || ( forced && e->forced ) )
             json_array_append_new( names, json_string( e->name ) );
     }
@@ -539,28 +541,30 @@ static json_t* bytes_json( const RfRenderStats* stats )
     return bytes;
 }
 
-json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
+json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted )
 {
-    const RfRenderStats* stats = run->stats;
+    const RfRenderOptions* options = &job->options;
+    const RfRenderStats* stats = &job->stats;
+    const RfScene* scene = &job->scene;
     const RfRenderSettings* s = &options->settings;
     const RfFrameFiles* files = &s->files;
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &s->tile, tile );
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:b}",
-                              "version", rf_version(), "scene", rf_json_text( options->scene ), "frames", run->frames, "seconds",
-                              rf_json_number( run->seconds ), "seconds_scene", rf_json_number( run->seconds_scene ), "peak_bytes",
-                              count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes",
-                              bytes_json( stats ), "rays", rays_json( &stats->rays ), "group", stats->group, "tile", tile,
-                              "weights", rf_weights_name( s->weights ), "normalize", rf_normalize_name( s->normalize ), "threads",
-                              stats->threads, "effects", names_json( run, true, false, false ), "effects_left_out",
-                              names_json( run, false, true, false ), "effects_forced", names_json( run, false, false, true ),
-                              "kept_frames", run->kept, "interrupted", run->interrupted );
+    json_t* json = json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:b}", "version",
+        rf_version(), "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
+        rf_json_number( rf_wall_seconds() - job->start ), "seconds_scene", rf_json_number( job->seconds_scene ), "peak_bytes",
+        count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes", bytes_json( stats ), "rays",
+        rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights", rf_weights_name( s->weights ), "normalize",
+        rf_normalize_name( s->normalize ), "threads", stats->threads, "effects", names_json( job, true, false, false ),
+        "effects_left_out", names_json( job, false, true, false ), "effects_forced", names_json( job, false, false, true ),
+        "kept_frames", job->kept_count, "interrupted", interrupted );
     rf_json_add( json, "{s:{s:s, s:f}, s:o?, s:o, s:i, s:b, s:O, s:s, s:i, s:o, s:o}", "filter", "name",
-                 rf_filter_name( s->filter ), "width", s->filter_width, "specks", rf_sum_specks( run->frames ), "clipped_pixels",
-                 rf_sum_clipped( run->frames ), "repeated_frames", run->repeated, "adaptive",
-                 s->adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0, "warnings", run->warnings, "adaptive_mode",
+                 rf_filter_name( s->filter ), "width", s->filter_width, "specks", rf_sum_specks( frames ), "clipped_pixels",
+                 rf_sum_clipped( frames ), "repeated_frames", job->frame_count - job->run_count, "adaptive",
+                 s->adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0, "warnings", job->reported.lines, "adaptive_mode",
                  rf_adaptive_name( s->adaptive ), "adaptive_frames", stats->adaptive_frames, "beyond_depth_share",
-                 rf_json_number( run->beyond_depth ), "clamp",
+                 rf_json_number( job->output.beyond_depth ), "clamp",
                  s->clamp == RF_CLAMP_AUTO ? json_string( "auto" )
                  : s->clamp == 0.0         ? json_string( "off" )
                                            : rf_json_number( s->clamp ) );
@@ -582,5 +586,8 @@ json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run )
         rf_json_add( json, "{s:{s:f, s:i}}", "flicker", "wanted", s->flicker, "missed", stats->flicker_missed );
     if ( s->time > 0.0 )
         rf_json_add( json, "{s:{s:f, s:b}}", "time", "wanted", s->time, "too_short", stats->hurried );
-    return json;
+    return rf_json_add( json, "{s:o, s:o, s:{s:f, s:i, s:f}}", "export_losses",
+                        rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ), "export_warnings",
+                        rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ), "halo", "share",
+                        job->halo.share, "group", job->halo.group, "saved", job->halo.saved );
 }

@@ -15,23 +15,9 @@
 json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const RfCameraPath* path,
                        const RfRenderSettings* settings, int same_as );
 
-// What one run of `render` did.
-typedef struct RfRenderRun
-{
-    const RfRenderStats* stats;
-    double seconds, seconds_scene; // in all; until the scene was loaded
-    json_t* frames;                // taken over by rf_render_json
-    int kept;                      // of them, from before
-    int repeated;                  // of them, the picture of the frame before them once more
-    double beyond_depth;           // share of the light
-    bool interrupted;
-    json_t* warnings; // lines; stays the caller's
-    const RfEffect* effects;
-    int effect_count;
-} RfRenderRun;
-
-// The complete JSON. NULL where memory ran out.
-json_t* rf_render_json( const RfRenderOptions* options, const RfRenderRun* run );
+// The complete JSON of a render with these frames, which it takes over. NULL where memory ran out.
+struct RfRenderJob;
+json_t* rf_render_json( const struct RfRenderJob* job, json_t* frames, bool interrupted );
 
 // All effects with name, on, why, left_out, forced, and the option that decides (null: none).
 json_t* rf_effects_json( const RfScene* scene, const RfRenderSettings* settings );
