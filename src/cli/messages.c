@@ -100,25 +100,6 @@ static void keep_warning( void* user, const char* line )
 
 RfLog rf_keeping_log( RfReportedWarnings* reported ) { return ( RfLog ){ .fn = keep_warning, .user = reported }; }
 
-json_t* rf_json_text( const char* text )
-{
-    json_t* json = json_string( text );
-    if ( json != NULL )
-        return json;
-    char* copy = malloc( strlen( text ) + 1 );
-    if ( copy == NULL )
-        return NULL;
-    strcpy( copy, text );
-    for ( char* c = copy; *c != '\0'; ++c )
-    {
-        if ( (unsigned char)*c >= 0x80 )
-            *c = '?';
-    }
-    json = json_string( copy );
-    free( copy );
-    return json;
-}
-
 json_t* rf_json_texts( const char* const* texts, int count )
 {
     json_t* list = json_array();

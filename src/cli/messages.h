@@ -3,6 +3,7 @@
 #ifndef REFRAME_CLI_MESSAGES_H
 #define REFRAME_CLI_MESSAGES_H
 
+#include "base/json.h"
 #include "reframe/error.h"
 
 #include <jansson.h>
@@ -39,9 +40,6 @@ typedef struct RfReportedWarnings
 
 // A log that prints like rf_stderr_log and appends the lines to reported->lines. `reported` must outlive it.
 RfLog rf_keeping_log( RfReportedWarnings* reported );
-
-// A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
-json_t* rf_json_text( const char* text );
 
 // An array of texts.
 json_t* rf_json_texts( const char* const* texts, int count );
