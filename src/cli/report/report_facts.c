@@ -39,25 +39,16 @@ static void warn( const List* list, const char* format, ... )
         list->json, json_pack( "{s:i, s:o, s:b}", "sequence", list->track, "text", cut_text( text, LONGEST ), "loss", 0 ) );
 }
 
-// What the export lost of the picture: all of it, in full.
-static void add_losses( const List* list, const json_t* render )
+// Of losses of the picture all, in full.
+static void add_lines( const List* list, const json_t* lines, bool loss )
 {
     size_t i;
     json_t* line;
-    json_array_foreach( json_object_get( render, "export_losses" ), i, line )
-    {
-        if ( json_is_string( line ) )
-            json_array_append_new( list->json, json_pack( "{s:i, s:O, s:b}", "sequence", list->track, "text", line, "loss", 1 ) );
-    }
-}
-
-static void add_lines( const List* list, const json_t* lines )
-{
-    size_t i;
-    const json_t* line;
     json_array_foreach( lines, i, line )
     {
-        if ( json_is_string( line ) && i < MOST_LINES )
+        if ( json_is_string( line ) && loss )
+            json_array_append_new( list->json, json_pack( "{s:i, s:O, s:b}", "sequence", list->track, "text", line, "loss", 1 ) );
+        else if ( json_is_string( line ) && i < MOST_LINES )
             warn( list, "%s", json_string_value( line ) );
     }
 }
@@ -67,7 +58,7 @@ static void add_reported( const List* list, const json_t* render )
 {
     const json_t* lines = json_object_get( render, "warnings" );
     double missed = rf_json_number_of( json_object_get( render, "noise" ), "missed" );
-    add_lines( list, lines );
+    add_lines( list, lines, false );
     if ( isgreater( missed, 0.0 ) && lines == NULL )
         warn( list, "--noise was not reached in %.0f frame%s", missed, missed == 1.0 ? "" : "s" );
     if ( json_is_true( json_object_get( render, "interrupted" ) ) )
@@ -122,7 +113,7 @@ json_t* rf_page_warnings_json( const RfPageRun* report )
 {
     List list = { .json = json_array() };
     for ( list.track = 0; list.track < report->track_count; ++list.track )
-        add_losses( &list, report->tracks[list.track].sequence.render );
+        add_lines( &list, json_object_get( report->tracks[list.track].sequence.render, "export_losses" ), true );
     for ( list.track = 0; list.track < report->track_count; ++list.track )
     {
         char text[RF_DAMAGE_SIZE];
@@ -137,7 +128,7 @@ json_t* rf_page_warnings_json( const RfPageRun* report )
         rf_name_passes( &left_out, text, 512 );
         if ( left_out.count > 0 )
             warn( &list, "passes that are not on this page: %s", text );
-        add_lines( &list, json_object_get( track->sequence.render, "export_warnings" ) );
+        add_lines( &list, json_object_get( track->sequence.render, "export_warnings" ), false );
     }
     return list.json;
 }
@@ -172,10 +163,17 @@ static void format_seconds( double seconds, char text[32] )
         snprintf( text, 32, "%.0f h %.0f min", hours, minutes - 60.0 * hours );
 }
 
-static void add_fact( json_t* facts, const char* group, const char* label, const char* value )
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
+    __attribute__( ( format( printf, 4, 5 ) ) );
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
 {
+    char text[2 * LONGEST];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof text, format, arguments );
+    va_end( arguments );
     json_array_append_new( facts,
-                           json_pack( "[o, o, o]", rf_json_text( group ), rf_json_text( label ), cut_text( value, FACT_SIZE ) ) );
+                           json_pack( "[o, o, o]", rf_json_text( group ), rf_json_text( label ), cut_text( text, FACT_SIZE ) ) );
 }
 
 static void format_three( double value, char text[32] ) { snprintf( text, 32, "%.3g", value ); }
@@ -189,7 +187,7 @@ static void add_number( json_t* facts, const char* group, const char* label, dou
     if ( !isfinite( value ) )
         return;
     format( value, text );
-    add_fact( facts, group, label, text );
+    add_fact( facts, group, label, "%s", text );
 }
 
 // What they are of: only the frames that the last run rendered have their costs in the JSON.
@@ -199,14 +197,13 @@ static int add_rendered( json_t* facts, const json_t* render )
     const json_t* row;
     int all = (int)json_array_size( json_object_get( render, "frames" ) ), kept = 0;
     bool interrupted = json_is_true( json_object_get( render, "interrupted" ) );
-    char text[128], more[64] = "";
+    char more[64] = "";
     json_array_foreach( json_object_get( render, "frames" ), i, row ) kept += json_is_true( json_object_get( row, "kept" ) );
     if ( kept > 0 )
         snprintf( more, sizeof more, "; %d kept from before", kept );
-    snprintf( text, sizeof text, "of %d frame%s rendered last%s%s", all - kept, all - kept == 1 ? "" : "s",
-              interrupted ? ", then interrupted" : "", more );
     if ( kept > 0 || interrupted )
-        add_fact( facts, "Cost", "Totals", text );
+        add_fact( facts, "Cost", "Totals", "of %d frame%s rendered last%s%s", all - kept, all - kept == 1 ? "" : "s",
+                  interrupted ? ", then interrupted" : "", more );
     return interrupted ? 0 : all - kept;
 }
 
@@ -234,7 +231,7 @@ static void format_samples( double samples, char text[32] ) { snprintf( text, 32
 static void add_range( json_t* facts, const char* label, const RfPageTrack* track, size_t offset )
 {
     double least = INFINITY, most = -INFINITY;
-    char parts[2][32], text[80];
+    char parts[2][32];
     for ( int i = 0; i < track->run->count; ++i )
     {
         const double* value = (const double*)( (const char*)( track->frames + i ) + offset );
@@ -243,9 +240,9 @@ static void add_range( json_t* facts, const char* label, const RfPageTrack* trac
     }
     format_samples( least, parts[0] );
     format_samples( most, parts[1] );
-    snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
+    bool same = strcmp( parts[0], parts[1] ) == 0;
     if ( least <= most )
-        add_fact( facts, "Cost", label, text );
+        add_fact( facts, "Cost", label, "%s%s%s", parts[0], same ? "" : " to ", same ? "" : parts[1] );
 }
 
 // Frames and size.
@@ -262,14 +259,13 @@ static void add_picture( json_t* facts, const RfPageTrack* track )
         first = shown++ == 0 ? track->run->numbers[i] : first;
         last = track->run->numbers[i];
     }
-    snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
-    add_fact( facts, "Picture", "Frames", text );
+    add_fact( facts, "Picture", "Frames", "%d, from %d to %d", shown, first, last );
     int used = snprintf( text, sizeof text, "%d x %d", window.width, window.height );
     if ( window.width != header->width || window.height != header->height )
         used += snprintf( text + used, sizeof text - (size_t)used, ", with overscan %d x %d", header->width, header->height );
     if ( track->picture_width != window.width )
         snprintf( text + used, sizeof text - (size_t)used, ", shown as %d x %d", track->picture_width, track->picture_height );
-    add_fact( facts, "Picture", "Size", text );
+    add_fact( facts, "Picture", "Size", "%s", text );
 }
 
 static void add_error( json_t* facts, const RfPageTrack* track )
@@ -277,22 +273,20 @@ static void add_error( json_t* facts, const RfPageTrack* track )
     const RfErrorMetrics* e = &track->error;
     bool measured = track->has_error && isfinite( e->relmse ), at_least = false;
     double relmse = measured ? e->relmse : track->estimate;
-    char text[96], noise[RF_NOISE_TEXT_SIZE];
+    char noise[RF_NOISE_TEXT_SIZE];
     for ( int i = 0; i < track->run->count; ++i )
         at_least |= track->frames[i].at_least;
     rf_format_noise( relmse, noise );
-    snprintf( text, sizeof text, "%s%.3g, %s noise%s", at_least ? "at least " : "", relmse, noise,
-              measured ? "" : ", estimated" );
     if ( isfinite( relmse ) )
-        add_fact( facts, "Error", "relMSE", text );
+        add_fact( facts, "Error", "relMSE", "%s%.3g, %s noise%s", at_least ? "at least " : "", relmse, noise,
+                  measured ? "" : ", estimated" );
     if ( measured )
     {
         bool relative = e->reference_mean > 0.0;
         double scale = relative ? 100.0 / e->reference_mean : 1.0;
         add_number( facts, "Error", "without the worst 0.1 %", e->relmse_trimmed, format_three );
-        snprintf( text, sizeof text, "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
+        add_fact( facts, "Error", "Mean error", "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
                   e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
-        add_fact( facts, "Error", "Mean error", text );
     }
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     add_number( facts, "Error", "Flicker: phi", track->flicker.pairs > 0 ? flicker.phi : (double)NAN, format_three );
@@ -301,15 +295,15 @@ static void add_error( json_t* facts, const RfPageTrack* track )
 
 static void add_progress( json_t* facts, const json_t* progress )
 {
-    char text[64], label[240];
+    char label[240];
     size_t i;
     const json_t* task;
     json_array_foreach( json_object_get( progress, "tasks" ), i, task )
     {
         snprintf( label, sizeof label, "Task %zu: %.200s", i, json_string_value( json_object_get( task, "frames" ) ) );
-        snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( task, "finished" ), rf_json_number_of( task, "count" ) );
         if ( i < MOST_LINES )
-            add_fact( facts, "Progress", label, text );
+            add_fact( facts, "Progress", label, "%.0f of %.0f", rf_json_number_of( task, "finished" ),
+                      rf_json_number_of( task, "count" ) );
     }
 }
 
@@ -334,9 +328,9 @@ static void take_string( void* user, const char* name, const char* value )
     if ( snprintf( word, sizeof word, " %s ", name ) < (int)sizeof word && strstr( left_out, word ) != NULL )
         return;
     if ( is_own )
-        add_fact( strings->facts, "Settings", name + sizeof own - 1, value );
+        add_fact( strings->facts, "Settings", name + sizeof own - 1, "%s", value );
     else if ( strings->count++ < MOST_STRINGS )
-        add_fact( strings->facts, "Header", name, value );
+        add_fact( strings->facts, "Header", name, "%s", value );
 }
 
 json_t* rf_page_facts_json( const RfPageTrack* track )
@@ -344,7 +338,7 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     const RfPageSequence* sequence = &track->sequence;
     Strings strings = { .facts = json_array() };
     add_picture( strings.facts, track );
-    add_fact( strings.facts, "Picture", "Files", sequence->input.pattern );
+    add_fact( strings.facts, "Picture", "Files", "%s", sequence->input.pattern );
     add_error( strings.facts, track );
     add_costs( strings.facts, sequence->render );
     add_range( strings.facts, "Samples a pixel", track, offsetof( RfPageFrame, samples ) );
