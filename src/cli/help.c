@@ -1,7 +1,6 @@
 // Writes the manual page (groff) from the option tables that also give the help texts.
 #include "cli/help.h"
 
-#include "cli/commands.h"
 #include "reframe/aov.h"
 #include "reframe/types.h"
 

@@ -1,5 +1,4 @@
-// Messages of all commands: errors and warnings as one line on standard error, results
-// as JSON in a file or on standard output.
+// Messages of all commands: errors and warnings as one line on standard error, results as JSON in a file or on standard output.
 #ifndef REFRAME_CLI_MESSAGES_H
 #define REFRAME_CLI_MESSAGES_H
 
@@ -41,10 +40,8 @@ typedef struct RfReportedWarnings
 // A log that prints like rf_stderr_log and appends the lines to reported->lines. `reported` must outlive it.
 RfLog rf_keeping_log( RfReportedWarnings* reported );
 
-// An array of texts.
+// Arrays of texts, and of frame numbers.
 json_t* rf_json_texts( const char* const* texts, int count );
-
-// An array of frame numbers.
 json_t* rf_json_frames( const int* frames, int count );
 
 // A JSON number, null where it is not finite.

@@ -1,6 +1,4 @@
-// Decodes images from memory: textures and environment maps. PNG by libpng, JPEG by libjpeg,
-// WebP by libwebp where the build has it, EXR by OpenEXRCore, Radiance HDR by stb_image. The format is recognised by the first bytes,
-// never by the file name.
+// Decodes images from memory: textures and environment maps, whose format is recognised by the first bytes.
 #ifndef REFRAME_IMAGE_DECODE_H
 #define REFRAME_IMAGE_DECODE_H
 
@@ -45,7 +43,6 @@ bool rf_decodes_webp( void );
 // Bytes of the values of an image.
 size_t rf_pixels_bytes( const RfPixels* pixels );
 
-// Frees the data and clears the struct.
 void rf_destroy_pixels( RfPixels* pixels );
 
 // Decodes an sRGB value, 0 to 1.

@@ -1,7 +1,5 @@
-// Shared by reading and writing EXR: an OpenEXRCore context over our own file descriptor or
-// over bytes in memory. Our read and write callbacks record every system error, including
-// those that the library drops (exr_finish reports success on a full disk), and capture its
-// messages instead of letting it print to standard error.
+// Shared by reading and writing EXR: an OpenEXRCore context over our own file descriptor or over bytes in memory. Our callbacks record
+// every system error, including those that the library drops (exr_finish reports success on a full disk), and capture its messages.
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
@@ -35,12 +33,9 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 // exr_start_read by it, which fails also where the library would go on without what it had no memory for.
 exr_result_t rf_start_exr( RfExrStream* stream, exr_context_t* context );
 
-// Allocator for the alloc_fn of a pipeline. Its large buffers are mapped directly from the
-// system: malloc would keep some of them after they are freed, which the memory budget would
-// not know of.
+// The alloc_fn and free_fn of pipelines. Their large buffers are mapped directly from the system: malloc would keep some of them after
+// they are freed, which the memory budget would not know of.
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes );
-
-// The matching free_fn.
 void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer );
 
 // Fails with a message for a library call that returned `code`.
@@ -64,11 +59,9 @@ typedef struct RfExrPart
     const exr_attr_chlist_t* channels;
 } RfExrPart;
 
-// Opens a part from the beginning of the file and checks that its pixels can be read. Close
-// after success. On failure part->count is the number of parts, or 0 if unknown.
+// Opens a part from the beginning of the file and checks that its pixels can be read. Close it after success. On failure part->count is
+// the number of parts, or 0 if unknown.
 RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error );
-
-// Closes a part.
 void rf_close_exr_part( RfExrPart* part );
 
 // The conversion of a part's colours to Rec. 709. Where the part lacks the attribute, another has it for all.

@@ -2,7 +2,6 @@
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
-#include "measure/image_error.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "cli/options/frame_lists.h"
 
 #include "base/words.h"
-#include "cli/options/file_options.h"
+#include "cli/options/render_options.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
 

@@ -3,9 +3,9 @@
 #include "cli/render/render_json.h"
 
 #include "base/system.h"
-#include "cli/render/render_command.h"
 #include "base/words.h"
 #include "cli/messages.h"
+#include "cli/render/render_command.h"
 #include "image/colour.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
