@@ -129,7 +129,6 @@ static int print_zsh_completion( const RfCommand* commands )
     return status;
 }
 
-// The options of a command, as words.
 static void print_options( const RfCommandTable* table, FILE* file )
 {
     char words[WORDS];

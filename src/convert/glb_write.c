@@ -79,7 +79,6 @@ static json_t* texture( RfGlbDocument* d, int image )
     return image >= 0 ? made( d, json_pack( "{s:i}", "index", image ) ) : NULL;
 }
 
-// An entry of "materials".
 static json_t* glb_material( RfGlbDocument* d, const RfModelMaterial* m )
 {
     static const char* const modes[] = { [RF_MODEL_OPAQUE] = NULL, [RF_MODEL_MASK] = "MASK", [RF_MODEL_BLEND] = "BLEND" };
@@ -383,7 +382,6 @@ static RfResult make_glb_document( const RfModel* model, RfGlbDocument* d, RfErr
     return d->failed ? rf_fail( error, RF_ERROR_MEMORY, "out of memory for a model of %zu meshes", meshes ) : RF_OK;
 }
 
-// Frees the document.
 static void destroy_glb_document( RfGlbDocument* d )
 {
     json_decref( d->root );

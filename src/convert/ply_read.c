@@ -145,7 +145,6 @@ static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot
     return RF_OK;
 }
 
-// Reads the "vertex" element.
 static RfResult read_vertices( RfPlyReader* r, const RfPlyElement* element )
 {
     Slot slots[RF_PLY_MAX_PROPERTIES] = { { 0 } };
@@ -405,7 +404,6 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
     return append( r, count - 2 );
 }
 
-// Finds the list of vertex indices of an element.
 static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element, int* list )
 {
     *list = -1;
@@ -423,7 +421,6 @@ static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element,
     return RF_OK;
 }
 
-// Reads the "face" element.
 static RfResult read_faces( RfPlyReader* r, const RfPlyElement* element )
 {
     int list = -1;

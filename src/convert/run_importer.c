@@ -94,7 +94,6 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* mes
     return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( failure ) );
 }
 
-// Reads the available output; false at its end.
 static bool read_available( int fd, Messages* messages )
 {
     char bytes[4096];

@@ -290,7 +290,6 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
         out[3 * i] = values[i];
 }
 
-// Is it the letter of red (0), green or blue?
 static bool is_letter( const char* word, int c )
 {
     static const char* const s_words[3][3] = { { "R", "r", "red" }, { "G", "g", "green" }, { "B", "b", "blue" } };
@@ -313,7 +312,6 @@ static RfColourKind kind_of_layer( const char* layer, size_t length )
     return is_variance ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
 }
 
-// What three channels are by their names.
 static RfColourKind kind_of( const char* const names[3] )
 {
     const char* dots[3];
@@ -330,7 +328,6 @@ static RfColourKind kind_of( const char* const names[3] )
     return kind_of_layer( names[0], dots[0] != NULL ? (size_t)( dots[0] - names[0] ) : 0 );
 }
 
-// The conversion of three channels of a part.
 static RfResult find_conversion( const RfExrPart* part, const char* const names[3], RfColourKind* kind,
                                  RfColourConversion* conversion, RfError* error )
 {

@@ -69,7 +69,6 @@ static bool take_node( RfImport* import, const struct aiNode* from, int parent )
     return true;
 }
 
-// Imports the hierarchy.
 static RfResult import_nodes( RfImport* import, RfError* error )
 {
     if ( take_node( import, import->scene->mRootNode, -1 ) )
@@ -197,7 +196,6 @@ static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh*
     return good;
 }
 
-// Imports the meshes.
 static RfResult import_meshes( RfImport* import, RfError* error )
 {
     const struct aiScene* scene = import->scene;
@@ -497,7 +495,6 @@ static bool take_light( RfImport* import, const struct aiLight* from )
     return true;
 }
 
-// Imports the lights, in the same way.
 static void import_lights( RfImport* import )
 {
     const struct aiScene* scene = import->scene;

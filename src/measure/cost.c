@@ -76,7 +76,6 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-// Adds a trial of a curve.
 static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
 {
     RfTrialRow* row = ( curve == 0 ? &s->cost->plain : &s->cost->reuse )->rows;

@@ -229,7 +229,6 @@ static bool has_channels( const RfExrHeader* header, const char* const* names, i
     return true;
 }
 
-// Motion, depth and variance.
 static RfResult read_layers( const char* path, const RfFlickerLayers* layers, const RfExrHeader* header, RfFlickerFrame* frame,
                              RfError* error )
 {

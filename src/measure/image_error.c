@@ -75,7 +75,6 @@ static RfResult pair_sequences( const char* const patterns[2], RfFramePairs* pai
     return result == RF_OK ? rf_check_all_paired( pairs, patterns, error ) : result;
 }
 
-// The same pixels in both files.
 static RfResult read_pair( const char* const patterns[2], int number, RfImage images[2], RfError* error )
 {
     char names[2][MAX_NAME];

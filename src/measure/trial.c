@@ -300,7 +300,6 @@ static void cell_brightness( const RfTestRegion* region, const RfFrameResult* fr
     rf_block_brightness( width, frame->height, cell, grey, brightness );
 }
 
-// relMSE weights of a frame.
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;

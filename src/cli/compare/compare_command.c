@@ -210,7 +210,6 @@ static int frame_number( const CompareFrames* frames, int i ) { return frames->p
 static int at_least( int a, int b ) { return a > b ? a : b; }
 static int at_most( int a, int b ) { return a < b ? a : b; }
 
-// Crops an image in place.
 static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to )
 {
     for ( int y = 0; y < to->height; ++y )
@@ -222,7 +221,6 @@ static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to
     image->height = to->height;
 }
 
-// Aligns two images by their data windows.
 static RfResult align( bool overlap, ComparePair* pair, const RfExrWindow windows[2], RfError* error )
 {
     const RfExrWindow *a = windows, *b = windows + 1;

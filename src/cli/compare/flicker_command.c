@@ -172,7 +172,6 @@ static RfResult check_finite( const RfFlickerRun* run, RfError* error )
                     image ? run->pattern : run->reference, image ? m->nan : m->reference_nan, image ? m->inf : m->reference_inf );
 }
 
-// Writes what is asked for.
 static RfResult finish( Flicker* flicker, RfError* error )
 {
     const RfFlickerRun* run = &flicker->run;

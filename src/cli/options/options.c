@@ -439,7 +439,6 @@ static const struct
     [RF_OPTION_BOOL] = { sizeof( bool ), parse_nothing, "no value" },
 };
 
-// Is the text one of the option's choices?
 static bool is_choice( const RfOption* option, const char* text )
 {
     int unused;

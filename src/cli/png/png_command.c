@@ -424,7 +424,6 @@ static RfResult show_display_window( const PngFile* file, const RfExrWindow* win
 
 static void show( const void* view, float* rgb, int count ) { rf_apply_view( view, rgb, count ); }
 
-// Writes the picture of a file as PNG.
 static RfResult write_png_picture( const PngPicture* picture, const char* from, const char* to, RfError* error )
 {
     PngFile file;

@@ -30,7 +30,6 @@ static void note_solve( RfFrameErrors* errors, RfSolved solved, int number )
         errors->first_not_solved = number;
 }
 
-// Adds a finished frame of this number.
 static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, int number )
 {
     ++errors->frames;
@@ -153,7 +152,6 @@ static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* pat
     }
 }
 
-// A picture that will be black or empty.
 static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
 {
     if ( rf_triangle_count( scene ) == 0 )

@@ -42,7 +42,6 @@ void rf_add_clipped( const char* pattern, int number, json_t* row )
     json_object_set_new( row, "clipped_layers", layers );
 }
 
-// Appends the words of a list that the text lacks.
 static void join_words( const json_t* list, char* text, size_t size )
 {
     size_t i;

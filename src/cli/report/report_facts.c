@@ -245,7 +245,6 @@ static void add_range( json_t* facts, const char* label, const RfPageTrack* trac
         add_fact( facts, "Cost", label, "%s%s%s", parts[0], same ? "" : " to ", same ? "" : parts[1] );
 }
 
-// Frames and size.
 static void add_picture( json_t* facts, const RfPageTrack* track )
 {
     const RfExrHeader* header = &track->sequence.header;

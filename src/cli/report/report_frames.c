@@ -19,13 +19,11 @@
 #define MOST_NAMES 65535 // of a Cryptomatte, for 16 bits
 #define READ_CHANNELS 24 // at once: a file is decompressed as a whole, but all passes of large frames take much memory
 
-// Does a window lie where the picture does?
 static bool is_at_picture( const RfExrWindow* w, const RfExrHeader* header )
 {
     return w->x == header->x && w->y == header->y && w->width == header->width && w->height == header->height;
 }
 
-// How many passes from `first` on are read at once.
 static int batch_of( const RfPageLayers* layers, int first )
 {
     int count = 1, channels = layers->passes.passes[first].channel_count;

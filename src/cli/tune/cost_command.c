@@ -252,7 +252,6 @@ static json_t* prediction_json( const Job* r, RfCostPrediction p )
                            { "frame_seconds", p.frame_seconds }, { "seconds", path_seconds( r, p ) } );
 }
 
-// Of path tracing, and with reuse.
 static json_t* both_json( double plain, double reuse )
 {
     return json_pack( "[o, o]", rf_json_number( plain ), rf_json_number( reuse ) );

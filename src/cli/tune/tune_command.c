@@ -94,7 +94,6 @@ static RfResult find_split_costs( const RfShot* shot, const RfRenderSettings* se
     return measure ? measure_time( shot, settings, &plain, &costs->time_share, error ) : RF_OK;
 }
 
-// A line; nothing where there are none.
 static void print_split_costs( const SplitCosts* costs )
 {
     char time[64] = "time: not measured";
@@ -107,7 +106,6 @@ static void print_split_costs( const SplitCosts* costs )
               (double)costs->bytes_hits / 1048576.0, time );
 }
 
-// Null where there are none.
 static json_t* split_costs_json( const SplitCosts* costs )
 {
     if ( costs->films == 0 )
@@ -166,7 +164,6 @@ static void print_group( const RfPlanRow* row )
             row->gain, sweeps, excluded != NULL ? "  not for auto: " : "", excluded != NULL ? excluded : "" );
 }
 
-// What is known without rendering.
 static void print_groups( const Job* r )
 {
     char tile[RF_TILE_NAME_SIZE];
