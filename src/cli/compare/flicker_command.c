@@ -191,7 +191,7 @@ static void show_progress( void* user, int done )
     rf_show_frame_count( flicker->quiet, done, flicker->run.frame_count );
 }
 
-static RfResult check_options( const Flicker* flicker, RfError* error )
+static RfResult check_options( Flicker* flicker, RfError* error )
 {
     const char* alone = flicker->motion != NULL ? "motion" : flicker->depth != NULL ? "depth" : NULL;
     if ( alone != NULL && flicker->compensate_given && !flicker->compensate )
@@ -208,13 +208,10 @@ static RfResult run( void* user, RfError* error )
     Flicker* flicker = user;
     flicker->run.progress = show_progress;
     flicker->run.user = flicker;
-    RfResult result = check_options( flicker, error );
-    if ( result == RF_OK )
-        result = find_frames( flicker, error );
-    if ( result == RF_OK )
-        result = find_layers( flicker, error );
-    if ( result == RF_OK )
-        result = prepare_slit( flicker, error );
+    static RfResult ( *const steps[] )( Flicker*, RfError* ) = { check_options, find_frames, find_layers, prepare_slit };
+    RfResult result = RF_OK;
+    for ( size_t i = 0; i < sizeof steps / sizeof steps[0] && result == RF_OK; ++i )
+        result = steps[i]( flicker, error );
     if ( result == RF_OK )
         result = rf_measure_flicker_run( &flicker->run, error );
     if ( result == RF_OK )

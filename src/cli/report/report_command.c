@@ -239,7 +239,7 @@ static RfResult choose_view( RfPageRun* report, RfError* error )
     return result;
 }
 
-static RfResult check_options( const RfPageRun* report, RfError* error )
+static RfResult check_options( RfPageRun* report, RfError* error )
 {
     if ( report->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
@@ -259,15 +259,11 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
 // Opens the sequences and lists the frames of the page. destroy_page_run in any case.
 static RfResult prepare_page( RfPageRun* report, RfError* error )
 {
-    RfResult result = check_options( report, error );
-    if ( result == RF_OK )
-        result = open_sequences( report, error );
-    if ( result == RF_OK )
-        result = join_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_view( report, error );
+    static RfResult ( *const steps[] )( RfPageRun*, RfError* ) = { check_options, open_sequences, join_frames, choose_frames,
+                                                                   choose_view };
+    RfResult result = RF_OK;
+    for ( size_t i = 0; i < sizeof steps / sizeof steps[0] && result == RF_OK; ++i )
+        result = steps[i]( report, error );
     if ( result == RF_OK )
         result = rf_try_output_file( report->output, error );
     if ( result == RF_OK )
