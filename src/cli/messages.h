@@ -6,7 +6,6 @@
 #include "reframe/error.h"
 
 #include <jansson.h>
-#include <stdbool.h>
 
 // The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
 int rf_exit_status( RfResult result );

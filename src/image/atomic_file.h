@@ -6,9 +6,6 @@
 
 #include "reframe/error.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 typedef struct RfAtomicFile
 {
     const char* path;   // as given by the caller; must outlive this

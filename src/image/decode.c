@@ -7,7 +7,6 @@
 #include "reframe/image.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,9 +5,6 @@
 #include "image/colour.h"
 #include "reframe/error.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 // Larger images are rejected before anything is allocated.
 #define RF_DECODE_MAX_SIDE 16384
 #define RF_DECODE_MAX_BYTES ( (size_t)1 << 31 )

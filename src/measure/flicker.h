@@ -6,7 +6,6 @@
 #include "reframe/measure.h"
 #include "render/groups.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 // Backward reprojection: where the surface seen in a pixel was in the previous frame, and whether it was visible there.

@@ -6,9 +6,6 @@
 #include "image/atomic_file.h"
 #include "reframe/image.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
 typedef struct RfPage
 {
     RfAtomicFile file;

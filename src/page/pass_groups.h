@@ -6,8 +6,6 @@
 #include "image/exr.h"
 #include "page/picture.h"
 
-#include <stdint.h>
-
 #define RF_PASS_NAME_SIZE 256
 
 typedef struct RfFilePass

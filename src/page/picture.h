@@ -15,8 +15,6 @@
 
 #include "reframe/image.h"
 
-#include <stddef.h>
-
 #define RF_PICTURE_CELL 16
 #define RF_PICTURE_QUALITY 90
 // A limit of the mean bits per pixel; noisier images get a lower quality.

@@ -7,8 +7,6 @@
 #include "reframe/plan.h"
 #include "scene_file/scene_file.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <jansson.h>
 
 // Lists of frames: "A", "A-B", "A-BxSTEP", with commas between them. Negative numbers count from the end, "-5--1", unless the

@@ -11,9 +11,6 @@
 #include "reframe/types.h"
 #include "base/words.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
 typedef enum RfOptionType

@@ -8,8 +8,6 @@
 
 #include <jansson.h>
 #include <pthread.h>
-#include <stdbool.h>
-#include <stddef.h>
 
 // A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Connections
 // that send nothing hold nobody up.

@@ -8,7 +8,6 @@
 #include "reframe/scene.h"
 
 #include <jansson.h>
-#include <stdbool.h>
 
 // One element of "frames", with the names of the scene's materials; with a noise or a flicker in the settings also whether it was reached. `same_as` is the
 // frame of this run whose picture it repeats, from 0; else −1. NULL where memory ran out.

@@ -8,8 +8,6 @@
 #include "page/pass_groups.h"
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <stddef.h>
 
 typedef struct RfPageSequence
 {

@@ -6,7 +6,6 @@
 
 #include <glob.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
