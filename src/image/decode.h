@@ -42,8 +42,9 @@ size_t rf_pixels_bytes( const RfPixels* pixels );
 
 void rf_destroy_pixels( RfPixels* pixels );
 
-// Decodes an sRGB value, 0 to 1.
+// Decodes and encodes an sRGB value, 0 to 1; light beyond is cut.
 float rf_srgb_to_linear( float encoded );
+float rf_linear_to_srgb( float light );
 
 // Loads an equirectangular environment map as linear RGB, 3 floats per pixel, which the caller
 // frees with free(). EXR and HDR are linear, all else is decoded from sRGB. Negative,

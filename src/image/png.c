@@ -78,16 +78,6 @@ static void flush_bytes( png_structp png )
     (void)png; // no flush needed: the commit syncs
 }
 
-static png_byte encode_srgb( float linear )
-{
-    if ( !( linear > 0.0f ) )
-        return 0;
-    if ( linear >= 1.0f )
-        return 255;
-    float curve = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf( linear, 1.0f / 2.4f ) - 0.055f;
-    return (png_byte)( 255.0f * curve + 0.5f );
-}
-
 static float opacity( const float* alpha, int x )
 {
     return alpha != NULL && !isnan( alpha[x] ) ? fminf( fmaxf( alpha[x], 0.0f ), 1.0f ) : 1.0f;
@@ -123,7 +113,7 @@ static void encode_row( Writer* writer, const float* rgb, const float* alpha, in
             else if ( writer->show != NULL )
                 out[c] = (png_byte)( 255.0f * writer->shown[3 * x + c] + 0.5f );
             else
-                out[c] = encode_srgb( scale * pixel[c] );
+                out[c] = (png_byte)( 255.0f * rf_linear_to_srgb( scale * pixel[c] ) + 0.5f );
         }
         if ( alpha != NULL )
             out[3] = (png_byte)( 255.0f * opaque + 0.5f );

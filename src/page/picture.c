@@ -1,6 +1,7 @@
 // Encodes HDR pictures for the page: a coarse base of brightness, and the detail over it as a JPEG.
 #include "page/picture.h"
 
+#include "image/decode.h"
 #include "image/half.h"
 #include "image/jpeg.h"
 
@@ -54,10 +55,7 @@ RfLookRange rf_look_range( RfLook look, const float* values, size_t stride, size
 static void fill_light( float light[LEVELS + 1] )
 {
     for ( int i = 0; i <= LEVELS; ++i )
-    {
-        float level = (float)i / LEVELS;
-        light[i] = level <= 0.04045f ? level / 12.92f : powf( ( level + 0.055f ) / 1.055f, 2.4f );
-    }
+        light[i] = rf_srgb_to_linear( (float)i / LEVELS );
 }
 
 // NaN is kept, so that it shows.

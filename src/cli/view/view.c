@@ -2,6 +2,7 @@
 #include "cli/view/view.h"
 
 #include "cli/view/view_ocio.h"
+#include "image/decode.h"
 #include "output/frame_file.h"
 
 #include <glob.h>
@@ -112,12 +113,6 @@ static void transform( const float m[3][3], float rgb[3] )
 
 static float to_log( float light, float stops ) { return ( log2f( fmaxf( light, 1.7e-4f ) ) - LEAST ) / stops; }
 
-static float encode_srgb( float light )
-{
-    float l = fminf( fmaxf( light, 0.0f ), 1.0f );
-    return l <= 0.0031308f ? 12.92f * l : 1.055f * powf( l, 1.0f / 2.4f ) - 0.055f;
-}
-
 // Filmic: a curve for each channel, over 16.5 stops. Measured at each knot with Blender 3.4; between them and in other colours below
 // a radiance of 16 it is within 0.5/255 of it.
 
@@ -174,7 +169,7 @@ static void apply_agx( float rgb[3] )
         rgb[c] = powf( fmaxf( interpolate( s_agx_curve, to_log( rgb[c], STOPS ) ), 0.0f ), 2.4f );
     transform( s_agx_out, rgb );
     for ( int c = 0; c < 3; ++c )
-        rgb[c] = encode_srgb( rgb[c] );
+        rgb[c] = rf_linear_to_srgb( rgb[c] );
 }
 
 // The looks of AgX work on the logarithm of Rec. 2020 drawn towards grey, over 25 stops, in which middle grey is at PIVOT.
@@ -386,7 +381,7 @@ static void apply_own( const RfView* view, float rgb[3] )
             break;
         case VIEW_STANDARD:
             for ( int c = 0; c < 3; ++c )
-                rgb[c] = encode_srgb( rgb[c] );
+                rgb[c] = rf_linear_to_srgb( rgb[c] );
             break;
         case VIEW_CONFIGURED: break;
     }
