@@ -93,16 +93,10 @@ void rf_free_matte_names( RfMatteNames* names )
 
 int rf_find_matte_name( const RfMatteNames* names, uint32_t id )
 {
-    int low = 0, high = names->count;
-    while ( low < high )
-    {
-        int middle = low + ( high - low ) / 2;
-        if ( names->names[middle].id < id )
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < names->count && names->names[low].id == id ? low : -1;
+    const RfMatteName key = { .id = id }, *found = NULL;
+    if ( names->count > 0 )
+        found = bsearch( &key, names->names, (size_t)names->count, sizeof key, compare_ids );
+    return found != NULL ? (int)( found - names->names ) : -1;
 }
 
 // How an AOV looks; false: it is none. Without a default, so that the compiler names a new one.
