@@ -52,7 +52,7 @@ int rf_run_trial_command( RfTrialCommand* command );
 // What loading has left of the budget, at least half of it, and when that is well over, on rf_wall_seconds.
 double rf_budget_left( const RfTrialCommand* command, double* deadline );
 
-// The picture, and keys that the rows of both commands have in their JSON.
+// Adds the keys that the rows of both commands have in their JSON; returns the object.
 json_t* rf_trial_row_json( json_t* object, const RfTrialRow* row );
 
 // "room.glb", of the scene.
