@@ -56,14 +56,18 @@ static void print_error_row( const char* frame, const RfErrorMetrics* metrics )
             metrics->inf + metrics->reference_inf );
 }
 
-static void set_metrics( json_t* object, const RfErrorMetrics* m, const size_t clipped[2] )
+static void set_metrics( json_t* object, const RfErrorMetrics* m )
 {
     RF_SET_FIGURES( object, { "relmse", m->relmse }, { "relmse_trimmed", m->relmse_trimmed }, { "mse", m->mse },
-                    { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max },
-                    { "reference_mean", m->reference_mean } );
-    rf_json_add( object, "{s:I, s:I, s:I, s:I, s:I, s:I}", "nan", (json_int_t)m->nan, "inf", (json_int_t)m->inf, "reference_nan",
-                 (json_int_t)m->reference_nan, "reference_inf", (json_int_t)m->reference_inf, "clipped", (json_int_t)clipped[0],
-                 "reference_clipped", (json_int_t)clipped[1] );
+                    { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max } );
+    rf_json_add( object, "{s:I, s:I, s:I, s:I, s:o}", "nan", (json_int_t)m->nan, "inf", (json_int_t)m->inf, "reference_nan",
+                 (json_int_t)m->reference_nan, "reference_inf", (json_int_t)m->reference_inf, "reference_mean",
+                 rf_json_number( m->reference_mean ) );
+}
+
+static void set_clipped( json_t* object, const size_t clipped[2] )
+{
+    rf_json_add( object, "{s:I, s:I}", "clipped", (json_int_t)clipped[0], "reference_clipped", (json_int_t)clipped[1] );
 }
 
 static json_t* worst_json( int frame, const RfWorstPixel* worst )
@@ -415,8 +419,10 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
         print_error_head();
     if ( compare->table )
         print_error_row( number, &metrics );
-    json_t* row = json_pack( "{s:i, s:o}", "frame", frame, "worst", worst_json( frame, &metrics.worst ) );
-    set_metrics( row, &metrics, pair->clipped );
+    json_t* row = json_pack( "{s:i}", "frame", frame );
+    set_metrics( row, &metrics );
+    rf_json_add( row, "{s:o}", "worst", worst_json( frame, &metrics.worst ) );
+    set_clipped( row, pair->clipped );
     json_array_append_new( compare->rows, row );
     for ( int i = 0; i < 2; ++i )
         compare->clipped[i] += pair->clipped[i];
@@ -470,10 +476,11 @@ static RfResult finish( Compare* compare, RfError* error )
     RfResult result = RF_OK;
     if ( compare->json != NULL )
     {
-        json_t* json = json_pack( "{s:O, s:o, s:o}", "frames", compare->rows, "worst", worst_json( worst, &metrics.worst ),
-                                  "verdict", rf_json_text( verdict ) );
-        set_metrics( json, &metrics, compare->clipped );
+        json_t* json = json_pack( "{s:O}", "frames", compare->rows );
+        set_metrics( json, &metrics );
+        rf_json_add( json, "{s:o, s:o}", "worst", worst_json( worst, &metrics.worst ), "verdict", rf_json_text( verdict ) );
         set_missing( json, &compare->in );
+        set_clipped( json, compare->clipped );
         result = rf_write_json( compare->json, json, error );
     }
     if ( result == RF_OK )

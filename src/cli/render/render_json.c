@@ -465,27 +465,28 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
 {
     int steps = path->eyes[result->frame].blur_steps;
     bool stops = settings->noise > 0.0 || settings->flicker > 0.0;
-    json_t* json = json_pack( "{s:i, s:b, s:b, s:o, s:s*, s:o*, s:o*, s:o*, s:o*}", "frame",
-                              rf_frame_number( path, result->frame ), "relmse_is_lower_bound", result->relmse_is_lower_bound,
-                              "kept", 0, "specks", rf_specks_json( &result->specks, scene ), "reconstruction",
+    json_t* json = json_pack( "{s:i, s:o, s:o, s:b, s:o, s:o, s:o, s:o, s:b, s:o, s:o, s:s*, s:o*, s:o*}", "frame",
+                              rf_frame_number( path, result->frame ), "seconds", rf_json_number( result->seconds ),
+                              "relmse_estimate", rf_json_number( result->relmse_estimate ), "relmse_is_lower_bound",
+                              result->relmse_is_lower_bound, "relmse_likely", rf_json_number( result->relmse_likely ),
+                              "worst_ten_share", rf_json_number( result->worst_ten_share ), "native_spp",
+                              rf_json_number( result->native_spp ), "effective_spp", rf_json_number( result->effective_spp ),
+                              "kept", 0, "noise_percent", rf_json_number( rf_noise_percent( result->relmse_estimate ) ), "specks",
+                              rf_specks_json( &result->specks, scene ), "reconstruction",
                               result->solved == RF_SOLVED       ? NULL
                               : result->solved == RF_SOLVED_NOT ? "failed"
                                                                 : "not converged",
                               "blur_steps", steps > 0 ? json_integer( steps ) : NULL, "same_as",
-                              same_as >= 0 ? json_integer( rf_frame_number( path, same_as ) ) : NULL, "removed_share",
-                              result->removes ? rf_json_number( result->removed ) : NULL, "reached",
-                              stops ? json_boolean( result->reached ) : NULL );
-    RF_SET_FIGURES( json, { "seconds", result->seconds }, { "relmse_estimate", result->relmse_estimate },
-                    { "relmse_likely", result->relmse_likely }, { "worst_ten_share", result->worst_ten_share },
-                    { "native_spp", result->native_spp }, { "effective_spp", result->effective_spp },
-                    { "noise_percent", rf_noise_percent( result->relmse_estimate ) } );
+                              same_as >= 0 ? json_integer( rf_frame_number( path, same_as ) ) : NULL );
     if ( settings->flicker > 0.0 )
-        RF_SET_FIGURES( rf_json_add( json, "{s:b}", "flicker_is_lower_bound", result->flicker_is_lower_bound ),
-                        { "flicker_estimate", result->flicker_estimate }, { "flicker_likely", result->flicker_likely },
-                        { "flicker_worst_ten_share", result->flicker_worst_ten_share } );
+        rf_json_add( json, "{s:o, s:b, s:o, s:o}", "flicker_estimate", rf_json_number( result->flicker_estimate ),
+                     "flicker_is_lower_bound", result->flicker_is_lower_bound, "flicker_likely",
+                     rf_json_number( result->flicker_likely ), "flicker_worst_ten_share",
+                     rf_json_number( result->flicker_worst_ten_share ) );
     if ( settings->clamp != 0.0 )
         RF_SET_FIGURES( json, { "clamp_threshold", result->clamp }, { "clamp_threshold_chains", result->clamp_chains } );
-    return json;
+    return rf_json_add( json, "{s:o*, s:o*}", "removed_share", result->removes ? rf_json_number( result->removed ) : NULL,
+                        "reached", stops ? json_boolean( result->reached ) : NULL );
 }
 
 // The names of effects that are on, left out or forced.
@@ -550,23 +551,15 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &s->tile, tile );
     json_t* json = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:o, s:o, s:i, s:b}", "version",
-        rf_version(), "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b, s:o, s:o, s:{s:s, s:f}}",
+        "version", rf_version(), "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
         rf_json_number( rf_wall_seconds() - job->start ), "seconds_scene", rf_json_number( job->seconds_scene ), "peak_bytes",
         count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes", bytes_json( stats ), "rays",
         rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights", rf_weights_name( s->weights ), "normalize",
         rf_normalize_name( s->normalize ), "threads", stats->threads, "effects", names_json( job, true, false, false ),
-        "effects_left_out", names_json( job, false, true, false ), "effects_forced", names_json( job, false, false, true ),
-        "kept_frames", job->kept_count, "interrupted", interrupted );
-    rf_json_add( json, "{s:{s:s, s:f}, s:o?, s:o, s:i, s:b, s:O, s:s, s:i, s:o, s:o}", "filter", "name",
-                 rf_filter_name( s->filter ), "width", s->filter_width, "specks", rf_sum_specks( frames ), "clipped_pixels",
-                 rf_sum_clipped( frames ), "repeated_frames", job->frame_count - job->run_count, "adaptive",
-                 s->adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0, "warnings", job->reported.lines, "adaptive_mode",
-                 rf_adaptive_name( s->adaptive ), "adaptive_frames", stats->adaptive_frames, "beyond_depth_share",
-                 rf_json_number( job->output.beyond_depth ), "clamp",
-                 s->clamp == RF_CLAMP_AUTO ? json_string( "auto" )
-                 : s->clamp == 0.0         ? json_string( "off" )
-                                           : rf_json_number( s->clamp ) );
+        "kept_frames", job->kept_count, "interrupted", interrupted, "effects_left_out", names_json( job, false, true, false ),
+        "effects_forced", names_json( job, false, false, true ), "filter", "name", rf_filter_name( s->filter ), "width",
+        s->filter_width );
     if ( rf_is_other_estimator( s->estimator ) )
         rf_json_add( json, "{s:s, s:s, s:{s:o, s:o}}", "estimator", rf_estimator_name( s->estimator ), "reconstruction",
                      rf_reconstruction_name( s->reconstruction ), "shared_paths", "found", count_json( stats->rays.thinned ),
@@ -574,10 +567,17 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
         rf_json_add( json, "{s:s, s:s}", "light_paths", rf_light_paths_name( s->light_paths ), "kernel_normalization",
                      rf_kernel_normalization_name( s->kernel_normalization ) );
-    rf_json_add( json, "{s:s*, s:s*, s:s*, s:o*, s:o*}", "names",
+    rf_json_add( json, "{s:s*, s:s*, s:s*, s:o*, s:o?, s:o, s:i, s:b, s:O, s:s, s:i, s:o, s:o, s:o*}", "names",
                  files->names != RF_NAMES_REFRAME ? rf_pass_names_words[files->names] : NULL, "colorspace",
                  files->colour_space != RF_REC709 ? rf_colour_space_words[files->colour_space] : NULL, "overscan",
-                 options->overscan, "timecode", files->time_code != NULL ? rf_json_text( files->time_code ) : NULL,
+                 options->overscan, "timecode", files->time_code != NULL ? rf_json_text( files->time_code ) : NULL, "specks",
+                 rf_sum_specks( frames ), "clipped_pixels", rf_sum_clipped( frames ), "repeated_frames",
+                 job->frame_count - job->run_count, "adaptive", s->adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0,
+                 "warnings", job->reported.lines, "adaptive_mode", rf_adaptive_name( s->adaptive ), "adaptive_frames",
+                 stats->adaptive_frames, "beyond_depth_share", rf_json_number( job->output.beyond_depth ), "clamp",
+                 s->clamp == RF_CLAMP_AUTO ? json_string( "auto" )
+                 : s->clamp == 0.0         ? json_string( "off" )
+                                           : rf_json_number( s->clamp ),
                  "clamp_chains", s->clamp_chains > 0.0 ? rf_json_number( s->clamp_chains ) : NULL );
     if ( s->noise > 0.0 )
         rf_json_add( json, "{s:{s:f, s:i}}", "noise", "wanted", s->noise, "missed", stats->missed );

@@ -348,30 +348,30 @@ static void print_tune( const void* user )
         rf_print_ranges( &r->ranges );
 }
 
-static json_t* memory_json( int eyes, const RfMemoryFit* fit, const char* excluded )
+static json_t* memory_json( json_t* object, const RfMemoryFit* fit, const char* excluded )
 {
     char text[128];
-    return json_pack( "{s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:s?}", "eyes", eyes, "bytes_films", (json_int_t)fit->bytes_films,
-                      "bytes_hits", (json_int_t)fit->bytes_hits, "bytes_lists", (json_int_t)fit->bytes_lists, "bytes_least",
-                      (json_int_t)fit->least, "chunks", fit->chunks, "sweeps", fit->sweeps, "excluded",
-                      format_excluded( excluded, fit, text, sizeof text ) );
+    return rf_json_add( object, "{s:I, s:I, s:I, s:I, s:i, s:i, s:s?}", "bytes_films", (json_int_t)fit->bytes_films, "bytes_hits",
+                        (json_int_t)fit->bytes_hits, "bytes_lists", (json_int_t)fit->bytes_lists, "bytes_least",
+                        (json_int_t)fit->least, "chunks", fit->chunks, "sweeps", fit->sweeps, "excluded",
+                        format_excluded( excluded, fit, text, sizeof text ) );
 }
 
 static json_t* group_json( const RfPlanRow* row, const char* tile )
 {
-    json_t* json = memory_json( row->eyes, &row->fit, row->excluded );
-    rf_json_add( json, "{s:i, s:s, s:i, s:b}", "group", row->group, "tile", tile, "spp", row->spp, "chosen", row->chosen );
+    json_t* json = json_pack( "{s:i, s:i, s:s, s:i}", "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp );
+    memory_json( json, &row->fit, row->excluded );
     json_object_set_new( json, "rays",
                          RF_SET_FIGURES( json_object(), { "primary", row->rays_primary }, { "path", row->rays_path },
                                          { "shadow", row->rays_shadow }, { "tile", row->rays_tile }, { "eye", row->rays_eye } ) );
     RF_SET_FIGURES( json, { "reach", row->reach }, { "predicted_gain", row->gain } );
-    return json;
+    return rf_json_add( json, "{s:b}", "chosen", row->chosen );
 }
 
 static json_t* row_json( const RfTrialRow* row )
 {
-    json_t* json = rf_trial_row_json( memory_json( row->eyes, &row->fit, row->excluded ), row );
-    RF_SET_FIGURES( json, { "predicted_gain", row->predicted_gain }, { "relmse_low", row->error.low },
+    json_t* json = memory_json( json_pack( "{s:i}", "eyes", row->eyes ), &row->fit, row->excluded );
+    RF_SET_FIGURES( rf_trial_row_json( json, row ), { "predicted_gain", row->predicted_gain }, { "relmse_low", row->error.low },
                     { "relmse_high", row->error.high }, { "flicker", row->f1 }, { "phi", row->phi },
                     { "efficiency", row->efficiency }, { "gain", row->gain.value }, { "gain_low", row->gain.low },
                     { "gain_high", row->gain.high } );
