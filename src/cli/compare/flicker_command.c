@@ -236,6 +236,12 @@ json_t* rf_flicker_json( const RfFlickerRun* run )
     char verdict[VERDICT_SIZE];
     format_verdict( run, verdict );
     json_t* object = set_metrics( json_pack( "{s:s, s:o}", "verdict", verdict, "pairs", pairs_json( run ) ), &run->plain.all );
+    if ( run->follows )
+    {
+        json_t* followed = part_json( &run->followed.all, NULL );
+        json_object_set_new( followed, "masked", json_boolean( masked ) );
+        json_object_set_new( object, "followed", followed );
+    }
     rf_json_add( object, "{s:i, s:b, s:b, s:s?, s:o, s:o, s:o, s:I, s:I, s:I, s:I}", "cuts", run->cuts, "compensated",
                  rf_is_compensated( run ), "masked", rf_is_compensated( run ) && masked, "error_from",
                  has_reference         ? "reference"
@@ -246,12 +252,6 @@ json_t* rf_flicker_json( const RfFlickerRun* run )
                  run->has_spectrum ? spectrum_json( run ) : json_null(), "nan", (json_int_t)e->nan, "inf", (json_int_t)e->inf,
                  "reference_nan", (json_int_t)( has_reference ? e->reference_nan : 0 ), "reference_inf",
                  (json_int_t)( has_reference ? e->reference_inf : 0 ) );
-    if ( run->follows )
-    {
-        json_t* followed = part_json( &run->followed.all, NULL );
-        json_object_set_new( followed, "masked", json_boolean( masked ) );
-        json_object_set_new( object, "followed", followed );
-    }
     return object;
 }
 
