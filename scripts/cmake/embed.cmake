@@ -1,6 +1,7 @@
 # cmake -DOUT=page_assets.c -DFOLDER=src/page/assets -P embed.cmake
 # Writes the page's files as C arrays: rf_page_html, rf_page_css, and rf_page_js of
-# all scripts in the order of their names; rf_live_html and rf_live_js of the live page.
+# all scripts in the order of their names; rf_live_html and rf_live_js of the live page. Of another
+# folder: each file by its name, rf_manual_roff.
 function(add_array name)
   set(hex "")
   foreach(file ${ARGN})
@@ -13,10 +14,20 @@ function(add_array name)
   endforeach()
   string(REGEX REPLACE "(................................................)" "\\1\n" hex "${hex}")
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," hex "${hex}")
-  set(text "${text}const char ${name}[] = {\n${hex}0 };\n" PARENT_SCOPE)
+  set(text "${text}extern const char ${name}[];\nconst char ${name}[] = {\n${hex}0 };\n" PARENT_SCOPE)
 endfunction()
 
-set(text "// Made by scripts/cmake/embed.cmake from src/page/assets.\n#include \"page/page_assets.h\"\n\n")
+set(text "// Made by scripts/cmake/embed.cmake from ${FOLDER}.\n")
+if(NOT EXISTS ${FOLDER}/page.html)
+  file(GLOB files ${FOLDER}/*)
+  foreach(file ${files})
+    get_filename_component(name ${file} NAME)
+    string(REPLACE "." "_" name ${name})
+    add_array(rf_${name} ${file})
+  endforeach()
+  file(WRITE ${OUT} "${text}")
+  return()
+endif()
 file(GLOB scripts ${FOLDER}/*.js)
 list(SORT scripts)
 add_array(rf_page_html ${FOLDER}/page.html)

@@ -555,3 +555,16 @@ static RfField get_container( const RfField* object, const char* key, json_type 
 RfField rf_get_object( const RfField* object, const char* key ) { return get_container( object, key, JSON_OBJECT, "an object" ); }
 
 RfField rf_get_array( const RfField* object, const char* key ) { return get_container( object, key, JSON_ARRAY, "an array" ); }
+
+json_t* rf_json_text( const char* text )
+{
+    json_t* json = json_string( text );
+    if ( json != NULL )
+        return json;
+    char* copy = strdup( text );
+    for ( char* c = copy; c != NULL && *c != '\0'; ++c )
+        *c = (unsigned char)*c >= 0x80 ? '?' : *c;
+    json = copy != NULL ? json_string( copy ) : NULL;
+    free( copy );
+    return json;
+}

@@ -40,6 +40,9 @@ char* rf_path_beside( const char* file, const char* name );
 // "an object", "a string", "an integer" and so on.
 const char* rf_json_kind( const json_t* value );
 
+// A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
+json_t* rf_json_text( const char* text );
+
 // An integer in either notation: 3 and 3.0 are the same in JSON, though the parser
 // distinguishes them. False if the value is not an integer or too large to be exact.
 bool rf_json_integer( const json_t* value, int64_t* whole );

@@ -1,6 +1,7 @@
 // reframe completion: scripts that make shells complete commands, options and their values.
-#include "cli/commands.h"
 #include "base/words.h"
+#include "cli/commands.h"
+#include "cli/help.h"
 #include "cli/messages.h"
 
 #include <stdio.h>
@@ -79,9 +80,11 @@ static void print_value( const RfOption* option, FILE* file )
         fprintf( file, ":(%s)", words );
 }
 
+static bool has_negation( const RfOption* option ) { return option->type == RF_OPTION_BOOL || option->negated != NULL; }
+
 static void print_option( const RfOption* option, FILE* file )
 {
-    bool value = option->type != RF_OPTION_BOOL, negated = !value || option->negated != NULL;
+    bool value = option->type != RF_OPTION_BOOL, negated = has_negation( option );
     fputs( "                ", file );
     if ( negated )
         fprintf( file, "'(--no-%s)", option->name );
@@ -113,45 +116,19 @@ static void print_command( const RfCommandTable* table, FILE* file )
 
 static int print_zsh_completion( const RfCommand* commands )
 {
-    printf( "#compdef reframe\n"
-            "# Completion of reframe for zsh, printed by: reframe completion zsh\n"
-            "_reframe()\n"
-            "{\n"
-            "    local -a commands\n"
-            "    commands=(\n" );
+    const char* rest = rf_print_until_mark( rf_completion_zsh, stdout );
     for ( int i = 0; commands[i].name != NULL; ++i )
     {
         printf( "        '%s:", commands[i].name );
         print_text( commands[i].summary, stdout );
         printf( "'\n" );
     }
-    printf( "        'help:the options of a command'\n"
-            "    )\n"
-            "    if (( CURRENT == 2 )); then\n"
-            "        _describe command commands\n"
-            "        compadd -- --help --man --version\n"
-            "        return\n"
-            "    fi\n"
-            "    local command=$words[2]\n"
-            "    shift words\n"
-            "    (( CURRENT-- ))\n"
-            "    case $command in\n"
-            "        help) _describe command commands ;;\n" );
+    rest = rf_print_until_mark( rest, stdout );
     int status = rf_print_commands( commands, print_command );
-    printf( "    esac\n"
-            "}\n"
-            "# sourced, or loaded as the function itself\n"
-            "if [ \"$funcstack[1]\" = _reframe ]; then\n"
-            "    _reframe \"$@\"\n"
-            "else\n"
-            "    compdef _reframe reframe\n"
-            "fi\n" );
+    rf_print_until_mark( rest, stdout );
     return status;
 }
 
-static bool has_negation( const RfOption* option ) { return option->type == RF_OPTION_BOOL || option->negated != NULL; }
-
-// The options of a command, as words.
 static void print_options( const RfCommandTable* table, FILE* file )
 {
     char words[WORDS];
@@ -192,49 +169,17 @@ static void print_values( const RfCommandTable* table, FILE* file )
     }
 }
 
-static void print_commands( const RfCommand* commands )
-{
-    for ( int i = 0; commands[i].name != NULL; ++i )
-        printf( "%s ", commands[i].name );
-}
-
 // Print the script for these commands on standard output; return the exit status.
 static int print_bash_completion( const RfCommand* commands )
 {
-    printf( "# Completion of reframe for bash, printed by: reframe completion bash\n"
-            "_reframe()\n"
-            "{\n"
-            "    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}\n"
-            "    local command=${COMP_WORDS[1]} options= kind= words= commands='" );
-    print_commands( commands );
-    printf( "help'\n"
-            "    COMPREPLY=()\n"
-            "    # bash takes --name=value for three words\n"
-            "    if [ \"$current\" = = ]; then\n"
-            "        current=\n"
-            "    elif [ \"$previous\" = = ]; then\n"
-            "        previous=${COMP_WORDS[COMP_CWORD - 2]}\n"
-            "    fi\n"
-            "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
-            "        COMPREPLY=($(compgen -W \"$commands --help --man --version\" -- \"$current\"))\n"
-            "        return\n"
-            "    fi\n"
-            "    case $command in\n"
-            "        help) kind=words words=$commands ;;\n" );
+    const char* rest = rf_print_until_mark( rf_completion_bash, stdout );
+    for ( int i = 0; commands[i].name != NULL; ++i )
+        printf( "%s ", commands[i].name );
+    rest = rf_print_until_mark( rest, stdout );
     int status = rf_print_commands( commands, print_options );
-    printf( "    esac\n"
-            "    case $command:$previous in\n" );
+    rest = rf_print_until_mark( rest, stdout );
     status = status == 0 ? rf_print_commands( commands, print_values ) : status;
-    printf( "    esac\n"
-            "    case $kind in\n"
-            "        words | text) compopt +o default +o bashdefault 2>/dev/null ;;\n"
-            "    esac\n"
-            "    case $kind:$current in\n"
-            "        words:* | maybe:[!-]* | maybe:) COMPREPLY=($(compgen -W \"$words\" -- \"$current\")) ;;\n"
-            "        maybe:-* | :-*) COMPREPLY=($(compgen -W \"$options\" -- \"$current\")) ;;\n"
-            "    esac # files are bash's own affair\n"
-            "}\n"
-            "complete -o default -o bashdefault -F _reframe reframe\n" );
+    rf_print_until_mark( rest, stdout );
     return status;
 }
 

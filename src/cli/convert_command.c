@@ -6,7 +6,6 @@
 #include "reframe/convert.h"
 
 #include <stdio.h>
-#include <string.h>
 
 #define COMMAND "convert"
 

@@ -2,15 +2,15 @@
 #ifndef REFRAME_CLI_HELP_H
 #define REFRAME_CLI_HELP_H
 
-#include "cli/options/options.h"
+#include "cli/commands.h"
 
-// Prints what comes before the commands: name, synopsis, description.
-void rf_print_manual_head( FILE* file );
+// Prints the manual page; returns the exit status.
+int rf_print_manual( const RfCommand* commands );
 
-// Prints the section of a command: an RfHelpPrinter.
-void rf_print_manual_section( const RfCommandTable* table, FILE* file );
+// The files of src/cli/texts, with marks such as {{commands}} where something goes in.
+extern const char rf_manual_roff[], rf_completion_bash[], rf_completion_zsh[];
 
-// Prints what comes after the commands.
-void rf_print_manual_tail( FILE* file );
+// Prints a text up to its next mark, which is left out, and returns what follows it; else to its end.
+const char* rf_print_until_mark( const char* text, FILE* file );
 
 #endif

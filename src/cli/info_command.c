@@ -3,7 +3,6 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "cli/options/shared_options.h"
-#include "cli/render/changes_json.h"
 #include "cli/render/render_json.h"
 #include "film/cryptomatte.h"
 #include "light/changing.h"
@@ -384,11 +383,10 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
         (json_int_t)s->lights, "cameras", cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "frozen",
         s->frozen, "unrendered", unrendered, "size", size, "fps", (double)s_fps.numerator / (double)s_fps.denominator,
         "export_warnings", rf_json_texts( s->export_warnings, s->export_warning_count ) );
-    json_object_set_new( json, "alpha", json_boolean( s->alpha ) );
-    json_object_set_new( json, "export_losses", rf_json_texts( s->export_losses, s->export_loss_count ) );
-    json_object_set_new( json, "variants", rf_json_texts( s->variants, s->variant_count ) );
-    json_object_set_new( json, "light_groups", light_groups_json( scene, s ) );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( facts->beyond_depth ) );
+    rf_json_add( json, "{s:b, s:o, s:o, s:o, s:o}", "alpha", s->alpha, "export_losses",
+                 rf_json_texts( s->export_losses, s->export_loss_count ), "variants",
+                 rf_json_texts( s->variants, s->variant_count ), "light_groups", light_groups_json( scene, s ),
+                 "beyond_depth_share", rf_json_number( facts->beyond_depth ) );
     json_object_update( json, facts->changes );
     return json;
 }

@@ -2,8 +2,8 @@
 #define _XOPEN_SOURCE 700 // setenv, readlink
 #include "cli/commands.h"
 #include "cli/help.h"
-#include "cli/options/options.h"
 #include "cli/messages.h"
+#include "cli/options/options.h"
 #include "cli/signals.h"
 #include "trace/trace.h"
 
@@ -55,12 +55,8 @@ static int print_usage( void )
 // Every command's help, printed as sections of the manual.
 static int print_manual( void )
 {
-    rf_print_manual_head( stdout );
-    int status = rf_print_commands( s_commands, rf_print_manual_section );
-    if ( status != 0 )
-        return status;
-    rf_print_manual_tail( stdout );
-    return finish_output();
+    int status = rf_print_manual( s_commands );
+    return status == 0 ? finish_output() : status;
 }
 
 static int fail_unknown( const char* name )

@@ -100,25 +100,6 @@ static void keep_warning( void* user, const char* line )
 
 RfLog rf_keeping_log( RfReportedWarnings* reported ) { return ( RfLog ){ .fn = keep_warning, .user = reported }; }
 
-json_t* rf_json_text( const char* text )
-{
-    json_t* json = json_string( text );
-    if ( json != NULL )
-        return json;
-    char* copy = malloc( strlen( text ) + 1 );
-    if ( copy == NULL )
-        return NULL;
-    strcpy( copy, text );
-    for ( char* c = copy; *c != '\0'; ++c )
-    {
-        if ( (unsigned char)*c >= 0x80 )
-            *c = '?';
-    }
-    json = json_string( copy );
-    free( copy );
-    return json;
-}
-
 json_t* rf_json_texts( const char* const* texts, int count )
 {
     json_t* list = json_array();
@@ -128,6 +109,17 @@ json_t* rf_json_texts( const char* const* texts, int count )
 }
 
 json_t* rf_json_number( double value ) { return isfinite( value ) ? json_real( value ) : json_null(); }
+
+json_t* rf_json_add( json_t* object, const char* format, ... )
+{
+    va_list args;
+    va_start( args, format );
+    json_t* more = json_vpack_ex( NULL, 0, format, args );
+    va_end( args );
+    json_object_update( object, more );
+    json_decref( more );
+    return object;
+}
 
 json_t* rf_set_figures( json_t* object, const RfFigure* figures )
 {

@@ -1,12 +1,11 @@
-// Messages of all commands: errors and warnings as one line on standard error, results
-// as JSON in a file or on standard output.
+// Messages of all commands: errors and warnings as one line on standard error, results as JSON in a file or on standard output.
 #ifndef REFRAME_CLI_MESSAGES_H
 #define REFRAME_CLI_MESSAGES_H
 
+#include "base/json.h"
 #include "reframe/error.h"
 
 #include <jansson.h>
-#include <stdbool.h>
 
 // The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
 int rf_exit_status( RfResult result );
@@ -40,17 +39,15 @@ typedef struct RfReportedWarnings
 // A log that prints like rf_stderr_log and appends the lines to reported->lines. `reported` must outlive it.
 RfLog rf_keeping_log( RfReportedWarnings* reported );
 
-// A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
-json_t* rf_json_text( const char* text );
-
-// An array of texts.
+// Arrays of texts, and of frame numbers.
 json_t* rf_json_texts( const char* const* texts, int count );
-
-// An array of frame numbers.
 json_t* rf_json_frames( const int* frames, int count );
 
 // A JSON number, null where it is not finite.
 json_t* rf_json_number( double value );
+
+// Adds keys to an object, as json_pack has them, and returns it: "s:o*" leaves out a key whose value is NULL.
+json_t* rf_json_add( json_t* object, const char* format, ... );
 
 // A key and its number, null where it is not finite.
 typedef struct RfFigure

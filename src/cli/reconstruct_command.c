@@ -259,7 +259,6 @@ static void free_reconstruct_frame( ReconstructFrame* frame )
     *frame = ( ReconstructFrame ){ .half_count = 0 };
 }
 
-// The data of half k.
 static RfGradientImages reconstruct_images( const ReconstructFrame* frame, int k )
 {
     return ( RfGradientImages ){ frame->window.width, frame->window.height, frame->primal[k].rgb, frame->dx[k].rgb,

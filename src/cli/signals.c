@@ -5,9 +5,6 @@
 
 #include <dlfcn.h>
 #include <signal.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <string.h>
 #include <unistd.h>
 
 // Nothing is left open that matters: files that are being written have temporary names.

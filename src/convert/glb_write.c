@@ -1,8 +1,8 @@
 // Writes a model as binary glTF 2.0: checks it, builds the JSON, then writes JSON and buffers in one atomic file.
 #include "convert/glb_write.h"
 
+#include "base/json.h"
 #include "base/remedy.h"
-#include "convert/model.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -22,6 +22,7 @@ typedef struct RfGlbDocument
     const RfModel* model;
     json_t* root;
     json_t *accessors, *views, *meshes; // borrowed from root
+    json_t* extensions;                 // the names of those that are used are its keys
     RfGlbPart* parts;                   // one per buffer view, each aligned to 4 bytes
     int part_count;
     uint64_t size;    // of the buffer, padded
@@ -43,134 +44,72 @@ static void append( RfGlbDocument* d, json_t* array, json_t* value )
         d->failed = true;
 }
 
-// An array of numbers; NULL if memory runs out.
-static json_t* reals( const float* values, int count )
+// A value that is not NULL unless memory ran out.
+static json_t* made( RfGlbDocument* d, json_t* value )
+{
+    d->failed |= value == NULL;
+    return value;
+}
+
+static json_t* reals( RfGlbDocument* d, const float* values, int count )
 {
     json_t* array = json_array();
     for ( int i = 0; i < count; ++i )
-    {
-        if ( json_array_append_new( array, json_real( (double)values[i] ) ) != 0 )
-        {
-            json_decref( array );
-            return NULL;
-        }
-    }
-    return array;
+        append( d, array, json_real( (double)values[i] ) );
+    return made( d, array );
 }
 
-// A string; bytes that are not valid UTF-8 become '?'.
-static json_t* glb_name( const char* name )
-{
-    json_t* text = json_string( name );
-    if ( text != NULL )
-        return text;
-    char* plain = strdup( name );
-    for ( char* c = plain; c != NULL && *c != 0; ++c )
-        *c = (unsigned char)*c >= 0x80 ? '?' : *c;
-    text = plain != NULL ? json_string( plain ) : NULL;
-    free( plain );
-    return text;
-}
+// NULL where there is none.
+static json_t* glb_name( RfGlbDocument* d, const char* name ) { return name != NULL ? made( d, rf_json_text( name ) ) : NULL; }
 
 static float emission_strength( const RfModelMaterial* m )
 {
-    float largest = m->emission[0];
-    for ( int i = 1; i < 3; ++i )
-        largest = m->emission[i] > largest ? m->emission[i] : largest;
-    return largest > 1.0f ? largest : 1.0f;
+    return fmaxf( fmaxf( m->emission[0], m->emission[1] ), fmaxf( m->emission[2], 1.0f ) );
 }
 
-static json_t* one_real( const char* key, float value ) { return json_pack( "{s:f}", key, (double)value ); }
-
-static json_t* material_extensions( RfGlbDocument* d, const RfModelMaterial* m )
+// An extension with one factor; NULL where that has its default.
+static json_t* extension( RfGlbDocument* d, const char* factor, float value, float usual )
 {
-    json_t* extensions = json_object();
-    float strength = emission_strength( m );
-    if ( strength > 1.0f )
-        set( d, extensions, "KHR_materials_emissive_strength", one_real( "emissiveStrength", strength ) );
-    if ( m->specular != 1.0f )
-        set( d, extensions, "KHR_materials_specular", one_real( "specularFactor", m->specular ) );
-    if ( m->ior != 1.5f )
-        set( d, extensions, "KHR_materials_ior", one_real( "ior", m->ior ) );
-    if ( m->transmission != 0.0f )
-        set( d, extensions, "KHR_materials_transmission", one_real( "transmissionFactor", m->transmission ) );
-    return extensions;
+    return value != usual ? made( d, json_pack( "{s:f}", factor, (double)value ) ) : NULL;
 }
 
 // Texture i of the file uses image i of the model.
-static void set_texture( RfGlbDocument* d, json_t* object, const char* key, int image )
+static json_t* texture( RfGlbDocument* d, int image )
 {
-    if ( image >= 0 )
-        set( d, object, key, json_pack( "{s:i}", "index", image ) );
+    return image >= 0 ? made( d, json_pack( "{s:i}", "index", image ) ) : NULL;
 }
 
-// An entry of "materials".
 static json_t* glb_material( RfGlbDocument* d, const RfModelMaterial* m )
 {
-    json_t* material = json_object();
-    if ( m->name != NULL )
-        set( d, material, "name", glb_name( m->name ) );
-    json_t* pbr = json_object();
-    set( d, pbr, "baseColorFactor", reals( m->base_color, 4 ) );
-    set( d, pbr, "metallicFactor", json_real( (double)m->metallic ) );
-    set( d, pbr, "roughnessFactor", json_real( (double)m->roughness ) );
-    set_texture( d, pbr, "baseColorTexture", m->base_color_image );
-    set( d, material, "pbrMetallicRoughness", pbr );
-    set_texture( d, material, "normalTexture", m->normal_image );
-    set_texture( d, material, "emissiveTexture", m->emissive_image );
+    static const char* const modes[] = { [RF_MODEL_OPAQUE] = NULL, [RF_MODEL_MASK] = "MASK", [RF_MODEL_BLEND] = "BLEND" };
     float strength = emission_strength( m ), factor[3];
     for ( int i = 0; i < 3; ++i )
         factor[i] = m->emission[i] / strength;
-    if ( factor[0] > 0.0f || factor[1] > 0.0f || factor[2] > 0.0f )
-        set( d, material, "emissiveFactor", reals( factor, 3 ) );
-    if ( m->alpha_mode != RF_MODEL_OPAQUE )
-        set( d, material, "alphaMode", json_string( m->alpha_mode == RF_MODEL_MASK ? "MASK" : "BLEND" ) );
-    if ( m->alpha_mode == RF_MODEL_MASK )
-        set( d, material, "alphaCutoff", json_real( (double)m->alpha_cutoff ) );
-    if ( m->double_sided )
-        set( d, material, "doubleSided", json_true() );
-    json_t* extensions = material_extensions( d, m );
-    if ( json_object_size( extensions ) > 0 )
-        set( d, material, "extensions", extensions );
-    else
-        json_decref( extensions );
+    bool shines = factor[0] > 0.0f || factor[1] > 0.0f || factor[2] > 0.0f, masked = m->alpha_mode == RF_MODEL_MASK;
+    json_t* extensions = made( d, json_pack( "{s:o*, s:o*, s:o*, s:o*}", "KHR_materials_emissive_strength",
+                                             extension( d, "emissiveStrength", strength, 1.0f ), "KHR_materials_specular",
+                                             extension( d, "specularFactor", m->specular, 1.0f ), "KHR_materials_ior",
+                                             extension( d, "ior", m->ior, 1.5f ), "KHR_materials_transmission",
+                                             extension( d, "transmissionFactor", m->transmission, 0.0f ) ) );
+    json_t* material =
+        made( d, json_pack( "{s:o*, s:{s:o, s:f, s:f, s:o*}, s:o*, s:o*, s:o*, s:s*, s:o*, s:o*, s:O*}", "name",
+                            glb_name( d, m->name ), "pbrMetallicRoughness", "baseColorFactor", reals( d, m->base_color, 4 ),
+                            "metallicFactor", (double)m->metallic, "roughnessFactor", (double)m->roughness, "baseColorTexture",
+                            texture( d, m->base_color_image ), "normalTexture", texture( d, m->normal_image ), "emissiveTexture",
+                            texture( d, m->emissive_image ), "emissiveFactor", shines ? reals( d, factor, 3 ) : NULL, "alphaMode",
+                            modes[m->alpha_mode], "alphaCutoff", masked ? made( d, json_real( (double)m->alpha_cutoff ) ) : NULL,
+                            "doubleSided", m->double_sided ? json_true() : NULL, "extensions",
+                            json_object_size( extensions ) > 0 ? extensions : NULL ) );
+    json_decref( extensions );
     return material;
 }
 
-// The names of the extensions that the model uses, as an array; NULL if none.
-static json_t* glb_extensions( RfGlbDocument* d )
+// Adds the names of extensions, which are the keys of an object, to those that the document uses.
+static void use_extensions( RfGlbDocument* d, const json_t* extensions )
 {
-    const RfModel* model = d->model;
-    bool strength = false, specular = false, ior = false, transmission = false;
-    for ( int i = 0; i < model->material_count; ++i )
-    {
-        const RfModelMaterial* m = model->materials + i;
-        strength = strength || emission_strength( m ) > 1.0f;
-        specular = specular || m->specular != 1.0f;
-        ior = ior || m->ior != 1.5f;
-        transmission = transmission || m->transmission != 0.0f;
-    }
-    const struct
-    {
-        bool used;
-        const char* name;
-    } all[] = {
-        { strength, "KHR_materials_emissive_strength" },
-        { specular, "KHR_materials_specular" },
-        { ior, "KHR_materials_ior" },
-        { transmission, "KHR_materials_transmission" },
-        { model->light_count > 0, "KHR_lights_punctual" },
-    };
-    json_t* names = json_array();
-    for ( size_t i = 0; i < sizeof all / sizeof all[0]; ++i )
-    {
-        if ( all[i].used )
-            append( d, names, json_string( all[i].name ) );
-    }
-    if ( json_array_size( names ) > 0 )
-        return names;
-    json_decref( names );
-    return NULL;
+    const char* key;
+    json_t* unused;
+    json_object_foreach( (json_t*)extensions, key, unused ) set( d, d->extensions, key, json_true() );
 }
 
 // The two chunks of a .glb file: the JSON document, and the byte ranges of the
@@ -226,8 +165,8 @@ static void set_bounds( RfGlbDocument* d, json_t* accessor, const RfModelMesh* m
         low[axis] = value < low[axis] ? value : low[axis];
         high[axis] = value > high[axis] ? value : high[axis];
     }
-    set( d, accessor, "min", reals( low, 3 ) );
-    set( d, accessor, "max", reals( high, 3 ) );
+    set( d, accessor, "min", reals( d, low, 3 ) );
+    set( d, accessor, "max", reals( d, high, 3 ) );
 }
 
 // The primitive of a model mesh, as JSON, with its accessors.
@@ -272,10 +211,7 @@ static int mesh_of_node( RfGlbDocument* d, json_t* primitives, const RfModelNode
         if ( json_array_append( list, json_array_get( primitives, (size_t)node->meshes[i] ) ) != 0 )
             d->failed = true;
     }
-    json_t* mesh = json_pack( "{s:o}", "primitives", list );
-    const char* name = d->model->meshes[node->meshes[0]].name;
-    if ( name != NULL )
-        set( d, mesh, "name", glb_name( name ) );
+    json_t* mesh = json_pack( "{s:o, s:o*}", "primitives", list, "name", glb_name( d, d->model->meshes[node->meshes[0]].name ) );
     int index = (int)json_array_size( d->meshes );
     append( d, d->meshes, mesh );
     if ( lone >= 0 )
@@ -295,9 +231,7 @@ static bool is_identity( const RfMat4* matrix )
 
 static void add_node( RfGlbDocument* d, json_t* nodes, json_t* roots, json_t* primitives, const RfModelNode* node )
 {
-    json_t* object = json_object();
-    if ( node->name != NULL )
-        set( d, object, "name", glb_name( node->name ) );
+    json_t* object = json_pack( "{s:o*}", "name", glb_name( d, node->name ) );
     if ( !is_identity( &node->matrix ) )
     {
         json_t* matrix = json_array();
@@ -356,17 +290,20 @@ static void add_materials( RfGlbDocument* d )
     const RfModel* model = d->model;
     json_t* materials = model->material_count > 0 ? root_array( d, "materials" ) : NULL;
     for ( int i = 0; i < model->material_count && !d->failed; ++i )
-        append( d, materials, glb_material( d, model->materials + i ) );
+    {
+        json_t* material = glb_material( d, model->materials + i );
+        use_extensions( d, json_object_get( material, "extensions" ) );
+        append( d, materials, material );
+    }
     json_t* images = model->image_count > 0 ? root_array( d, "images" ) : NULL;
     json_t* textures = model->image_count > 0 ? root_array( d, "textures" ) : NULL;
     for ( int i = 0; i < model->image_count && !d->failed; ++i )
     {
         const RfModelImage* image = model->images + i;
         int view = add_part( d, image->bytes, image->size, 0 );
-        json_t* object = json_pack( "{s:i, s:s}", "bufferView", view, "mimeType", image->mime );
-        if ( image->name != NULL )
-            set( d, object, "name", glb_name( image->name ) );
-        append( d, images, object );
+        append(
+            d, images,
+            json_pack( "{s:i, s:s, s:o*}", "bufferView", view, "mimeType", image->mime, "name", glb_name( d, image->name ) ) );
         append( d, textures, json_pack( "{s:i}", "source", i ) );
     }
 }
@@ -379,11 +316,9 @@ static void add_cameras( RfGlbDocument* d )
     for ( int i = 0; i < model->camera_count && !d->failed; ++i )
     {
         const RfModelCamera* camera = model->cameras + i;
-        json_t* object =
-            json_pack( "{s:s, s:{s:f, s:f}}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear", 0.01 );
-        if ( camera->name != NULL )
-            set( d, object, "name", glb_name( camera->name ) );
-        append( d, cameras, object );
+        append( d, cameras,
+                json_pack( "{s:s, s:{s:f, s:f}, s:o*}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear", 0.01,
+                           "name", glb_name( d, camera->name ) ) );
         set( d, json_array_get( nodes, (size_t)camera->node ), "camera", json_integer( i ) );
     }
 }
@@ -397,10 +332,8 @@ static void add_lights( RfGlbDocument* d )
     for ( int i = 0; i < model->light_count; ++i )
     {
         const RfModelLight* light = model->lights + i;
-        json_t* object = json_pack( "{s:s, s:f}", "type", kinds[light->kind], "intensity", (double)light->intensity );
-        if ( light->name != NULL )
-            set( d, object, "name", glb_name( light->name ) );
-        set( d, object, "color", reals( light->color, 3 ) );
+        json_t* object = json_pack( "{s:s, s:f, s:o*, s:o}", "type", kinds[light->kind], "intensity", (double)light->intensity,
+                                    "name", glb_name( d, light->name ), "color", reals( d, light->color, 3 ) );
         if ( light->kind == RF_MODEL_SPOT )
             set( d, object, "spot",
                  json_pack( "{s:f, s:f}", "innerConeAngle", (double)light->inner_angle, "outerConeAngle",
@@ -410,42 +343,49 @@ static void add_lights( RfGlbDocument* d )
              json_pack( "{s:{s:i}}", "KHR_lights_punctual", "light", i ) );
     }
     if ( model->light_count > 0 )
-        set( d, d->root, "extensions", json_pack( "{s:{s:o}}", "KHR_lights_punctual", "lights", lights ) );
-    else
-        json_decref( lights );
+    {
+        set( d, d->root, "extensions", json_pack( "{s:{s:O}}", "KHR_lights_punctual", "lights", lights ) );
+        use_extensions( d, json_object_get( d->root, "extensions" ) );
+    }
+    json_decref( lights );
+}
+
+static void add_extensions( RfGlbDocument* d )
+{
+    const char* name;
+    json_t *unused, *names = json_object_size( d->extensions ) > 0 ? root_array( d, "extensionsUsed" ) : NULL;
+    json_object_foreach( d->extensions, name, unused ) append( d, names, json_string( name ) );
 }
 
 // Builds both chunks; destroy_glb_document frees them, also after a failure.
 static RfResult make_glb_document( const RfModel* model, RfGlbDocument* d, RfError* error )
 {
     size_t meshes = (size_t)model->mesh_count, images = (size_t)model->image_count;
-    *d = ( RfGlbDocument ){ .model = model, .root = json_object() };
+    *d = ( RfGlbDocument ){ .model = model, .root = json_object(), .extensions = json_object() };
     d->parts = calloc( 5 * meshes + images + 1, sizeof *d->parts );
     d->lone_meshes = malloc( ( meshes + 1 ) * sizeof *d->lone_meshes );
-    d->failed = d->root == NULL || d->parts == NULL || d->lone_meshes == NULL;
+    d->failed = d->root == NULL || d->extensions == NULL || d->parts == NULL || d->lone_meshes == NULL;
     for ( size_t i = 0; i < meshes && !d->failed; ++i )
         d->lone_meshes[i] = -1;
     if ( !d->failed )
     {
         set( d, d->root, "asset", json_pack( "{s:s, s:s}", "version", "2.0", "generator", "reframe convert" ) );
-        json_t* extensions = glb_extensions( d );
-        if ( extensions != NULL )
-            set( d, d->root, "extensionsUsed", extensions );
         d->views = meshes + images > 0 ? root_array( d, "bufferViews" ) : NULL;
         add_materials( d );
         add_nodes( d );
         add_cameras( d );
         add_lights( d );
+        add_extensions( d );
         if ( d->size > 0 )
             set( d, d->root, "buffers", json_pack( "[{s:I}]", "byteLength", (json_int_t)d->size ) );
     }
     return d->failed ? rf_fail( error, RF_ERROR_MEMORY, "out of memory for a model of %zu meshes", meshes ) : RF_OK;
 }
 
-// Frees the document.
 static void destroy_glb_document( RfGlbDocument* d )
 {
     json_decref( d->root );
+    json_decref( d->extensions );
     free( d->parts );
     free( d->lone_meshes );
     *d = ( RfGlbDocument ){ 0 };
@@ -639,8 +579,5 @@ RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, R
     if ( result != RF_OK )
         return result;
     result = rf_append_glb( &file, model, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }

@@ -8,10 +8,6 @@
 #include "math/mat4.h"
 #include "reframe/convert.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 // Triangles of one material.
 typedef struct RfModelMesh
 {

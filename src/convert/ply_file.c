@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define MAX_LINE 512
@@ -290,7 +289,6 @@ static double decode( RfPlyType type, const uint8_t* bytes )
     return 0.0;
 }
 
-// True if an integer type can hold the value.
 static bool fits( RfPlyType type, double value )
 {
     double half = ldexp( 1.0, 8 * s_sizes[type] - 1 ); // half the number of values

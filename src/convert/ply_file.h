@@ -4,10 +4,6 @@
 
 #include "reframe/error.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #define RF_PLY_NAME 48
 #define RF_PLY_MAX_ELEMENTS 32
 #define RF_PLY_MAX_PROPERTIES 64

@@ -2,14 +2,10 @@
 #include "convert/ply_read.h"
 
 #include "base/file.h"
-#include "convert/model.h"
 #include "convert/ply_file.h"
 #include "image/decode.h"
 
 #include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -146,7 +142,6 @@ static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot
     return RF_OK;
 }
 
-// Reads the "vertex" element.
 static RfResult read_vertices( RfPlyReader* r, const RfPlyElement* element )
 {
     Slot slots[RF_PLY_MAX_PROPERTIES] = { { 0 } };
@@ -406,7 +401,6 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
     return append( r, count - 2 );
 }
 
-// Finds the list of vertex indices of an element.
 static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element, int* list )
 {
     *list = -1;
@@ -424,7 +418,6 @@ static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element,
     return RF_OK;
 }
 
-// Reads the "face" element.
 static RfResult read_faces( RfPlyReader* r, const RfPlyElement* element )
 {
     int list = -1;

@@ -7,7 +7,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -179,8 +178,13 @@ void rf_discard_atomic_file( RfAtomicFile* file )
     file->folder = -1;
 }
 
-RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error )
+RfResult rf_end_atomic_file( RfAtomicFile* file, RfResult result, RfError* error )
 {
+    if ( result != RF_OK )
+    {
+        rf_discard_atomic_file( file );
+        return result;
+    }
     int failure = file->unsynced ? 0 : sync_all( file->fd );
     // network file systems may report lost data only on close
     if ( close( file->fd ) != 0 && failure == 0 && errno != EINTR )
@@ -223,10 +227,7 @@ RfResult rf_write_file_atomic( const char* path, const void* bytes, size_t size,
     if ( result != RF_OK )
         return result;
     result = rf_append_atomic_file( &file, bytes, size, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }
 
 // ".reframe-1234-5.tmp".

@@ -6,9 +6,6 @@
 
 #include "reframe/error.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 typedef struct RfAtomicFile
 {
     const char* path;   // as given by the caller; must outlive this
@@ -33,9 +30,9 @@ RfResult rf_try_output_file( const char* path, RfError* error );
 // Appends bytes. After a failure the caller discards the file.
 RfResult rf_append_atomic_file( RfAtomicFile* file, const void* bytes, size_t size, RfError* error );
 
-// fsync, rename, fsync of the folder. On failure the temporary file is gone and the final name
-// untouched, unless only the fsync of the folder failed.
-RfResult rf_commit_atomic_file( RfAtomicFile* file, RfError* error );
+// After a failure discards the file and returns that; else fsync, rename, fsync of the folder. On failure the temporary file is gone
+// and the final name untouched, unless only the fsync of the folder failed.
+RfResult rf_end_atomic_file( RfAtomicFile* file, RfResult result, RfError* error );
 
 // Removes the temporary file.
 void rf_discard_atomic_file( RfAtomicFile* file );

@@ -7,7 +7,6 @@
 #include "reframe/image.h"
 
 #include <math.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -159,6 +158,12 @@ RfResult rf_measure_image( const void* bytes, size_t size, const char* name, RfP
 float rf_srgb_to_linear( float encoded )
 {
     return encoded <= 0.04045f ? encoded / 12.92f : powf( ( encoded + 0.055f ) / 1.055f, 2.4f );
+}
+
+float rf_linear_to_srgb( float light )
+{
+    float l = fminf( fmaxf( light, 0.0f ), 1.0f ); // NaN is 0
+    return l <= 0.0031308f ? 12.92f * l : 1.055f * powf( l, 1.0f / 2.4f ) - 0.055f;
 }
 
 static float value_at( const RfPixels* pixels, size_t i )

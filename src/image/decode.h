@@ -1,14 +1,9 @@
-// Decodes images from memory: textures and environment maps. PNG by libpng, JPEG by libjpeg,
-// WebP by libwebp where the build has it, EXR by OpenEXRCore, Radiance HDR by stb_image. The format is recognised by the first bytes,
-// never by the file name.
+// Decodes images from memory: textures and environment maps, whose format is recognised by the first bytes.
 #ifndef REFRAME_IMAGE_DECODE_H
 #define REFRAME_IMAGE_DECODE_H
 
 #include "image/colour.h"
 #include "reframe/error.h"
-
-#include <stdbool.h>
-#include <stddef.h>
 
 // Larger images are rejected before anything is allocated.
 #define RF_DECODE_MAX_SIDE 16384
@@ -45,11 +40,11 @@ bool rf_decodes_webp( void );
 // Bytes of the values of an image.
 size_t rf_pixels_bytes( const RfPixels* pixels );
 
-// Frees the data and clears the struct.
 void rf_destroy_pixels( RfPixels* pixels );
 
-// Decodes an sRGB value, 0 to 1.
+// Decodes and encodes an sRGB value, 0 to 1; light beyond is cut.
 float rf_srgb_to_linear( float encoded );
+float rf_linear_to_srgb( float light );
 
 // Loads an equirectangular environment map as linear RGB, 3 floats per pixel, which the caller
 // frees with free(). EXR and HDR are linear, all else is decoded from sRGB. Negative,

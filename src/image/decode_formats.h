@@ -20,19 +20,10 @@ RfResult rf_check_sides( const RfEncoded* in, long long width, long long height,
 // other members are set.
 RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error );
 
-// Decodes a PNG.
 RfResult rf_decode_png( const RfEncoded* in, RfPixels* out, RfError* error );
-
-// Decodes a JPEG.
 RfResult rf_decode_jpeg( const RfEncoded* in, RfPixels* out, RfError* error );
-
-// Decodes a WebP that is not animated.
 RfResult rf_decode_webp( const RfEncoded* in, RfPixels* out, RfError* error );
-
-// Decodes the colour of an EXR.
 RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error );
-
-// Decodes a Radiance HDR.
 RfResult rf_decode_hdr( const RfEncoded* in, RfPixels* out, RfError* error );
 
 #endif

@@ -172,14 +172,11 @@ void decompress( const RfDwaBlock& block, const void* compressed, std::size_t si
     file.readTile( 0, 0 );
 }
 
-} // namespace
-
-extern "C" RfDwaResult rf_compress_dwa( const RfDwaBlock* block, const void* packed, size_t size, void* out, size_t* compressed,
-                                        char message[RF_DWA_MESSAGE_SIZE] )
+template <typename Work> RfDwaResult guard( char message[RF_DWA_MESSAGE_SIZE], Work work )
 {
     try
     {
-        *compressed = compress( *block, packed, size, out );
+        work();
         return RF_DWA_OK;
     }
     catch ( const std::bad_alloc& )
@@ -193,22 +190,19 @@ extern "C" RfDwaResult rf_compress_dwa( const RfDwaBlock* block, const void* pac
     }
 }
 
+} // namespace
+
+extern "C" RfDwaResult rf_compress_dwa( const RfDwaBlock* block, const void* packed, size_t size, void* out, size_t* compressed,
+                                        char message[RF_DWA_MESSAGE_SIZE] )
+{
+    return guard( message, [&] { *compressed = compress( *block, packed, size, out ); } );
+}
+
 extern "C" RfDwaResult rf_decompress_dwa( const RfDwaBlock* block, const void* compressed, size_t compressed_size, void* out,
                                           size_t size, char message[RF_DWA_MESSAGE_SIZE] )
 {
-    try
-    {
+    return guard( message, [&] {
         std::memset( out, 0, size );
         decompress( *block, compressed, compressed_size, out );
-        return RF_DWA_OK;
-    }
-    catch ( const std::bad_alloc& )
-    {
-        return RF_DWA_MEMORY;
-    }
-    catch ( const std::exception& exception )
-    {
-        std::snprintf( message, RF_DWA_MESSAGE_SIZE, "%s", exception.what() );
-        return RF_DWA_BROKEN;
-    }
+    } );
 }

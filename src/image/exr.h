@@ -56,7 +56,6 @@ typedef struct RfExrHeader
 // colour if `layer` is NULL or missing, and the channel names of all parts.
 RfResult rf_read_exr_header( const char* path, const char* layer, RfExrHeader* header, RfError* error );
 
-// Frees the channel names and clears the header.
 void rf_destroy_exr_header( RfExrHeader* header );
 
 // Finds the channel whose full name or, failing that, whose own name equals the first

@@ -3,7 +3,6 @@
 
 #include "base/remedy.h"
 #include "image/exr.h"
-#include "image/exr_stream.h"
 #include "image/half.h"
 
 #include <math.h>
@@ -291,7 +290,6 @@ static void take_value( void* user, int channel, int x, int y, const float* valu
         out[3 * i] = values[i];
 }
 
-// Is it the letter of red (0), green or blue?
 static bool is_letter( const char* word, int c )
 {
     static const char* const s_words[3][3] = { { "R", "r", "red" }, { "G", "g", "green" }, { "B", "b", "blue" } };
@@ -314,7 +312,6 @@ static RfColourKind kind_of_layer( const char* layer, size_t length )
     return is_variance ? RF_COLOUR_VARIANCE : RF_COLOUR_LIGHT;
 }
 
-// What three channels are by their names.
 static RfColourKind kind_of( const char* const names[3] )
 {
     const char* dots[3];
@@ -331,7 +328,6 @@ static RfColourKind kind_of( const char* const names[3] )
     return kind_of_layer( names[0], dots[0] != NULL ? (size_t)( dots[0] - names[0] ) : 0 );
 }
 
-// The conversion of three channels of a part.
 static RfResult find_conversion( const RfExrPart* part, const char* const names[3], RfColourKind* kind,
                                  RfColourConversion* conversion, RfError* error )
 {
@@ -344,12 +340,15 @@ static RfResult find_conversion( const RfExrPart* part, const char* const names[
     return *kind != RF_COLOUR_NONE ? rf_read_exr_colours( part, conversion, error ) : RF_OK;
 }
 
+// `left`: gets the conversion to Rec. 709, which the caller makes; NULL: it is made.
 static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels, RfImage* image, size_t* clipped,
-                            RfError* error )
+                            RfColourConversion* left, RfError* error )
 {
     RfColourKind kind = RF_COLOUR_NONE;
     RfColourConversion conversion = { .needed = false };
     RfResult result = channels->count == 3 ? find_conversion( part, channels->names, &kind, &conversion, error ) : RF_OK;
+    if ( left != NULL )
+        *left = conversion;
     if ( result == RF_OK )
         result = rf_create_image( part->width, part->height, image, error );
     // duplicate channels are read once, then copied
@@ -373,7 +372,7 @@ static RfResult read_image( const RfExrPart* part, const RfExrChannels* channels
     if ( result == RF_OK )
     {
         *clipped = count_clipped( image->rgb, pixels, half, 3 );
-        rf_convert_colours( &conversion, kind, image->rgb, pixels, 3 );
+        rf_convert_colours( &conversion, left == NULL ? kind : RF_COLOUR_NONE, image->rgb, pixels, 3 );
     }
     else
         rf_destroy_image( image );
@@ -394,11 +393,42 @@ RfResult rf_read_exr_picture( const char* path, const char* layer, RfImage* imag
     result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
     if ( result == RF_OK )
     {
-        result = read_image( &part, &channels, image, clipped, error );
+        result = read_image( &part, &channels, image, clipped, NULL, error );
         *window = ( RfExrWindow ){ part.window.min.x, part.window.min.y, part.width, part.height };
         rf_close_exr_part( &part );
     }
     close( stream.fd );
+    return result;
+}
+
+RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConversion* conversion, RfError* error )
+{
+    RfExrPart part;
+    RfExrChannels channels;
+    size_t clipped;
+    *image = ( RfImage ){ 0 };
+    RfResult result = rf_open_exr_part( stream, 0, &part, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
+    if ( result == RF_OK )
+        result = read_image( &part, &channels, image, &clipped, conversion, error );
+    rf_close_exr_part( &part );
+    return result;
+}
+
+RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
+{
+    RfExrStream stream;
+    RfColourConversion conversion;
+    *image = ( RfImage ){ 0 };
+    RfResult result = rf_open_exr_file( path, &stream, error );
+    if ( result != RF_OK )
+        return result;
+    result = rf_read_exr_stream( &stream, image, &conversion, error );
+    close( stream.fd );
+    if ( result == RF_OK )
+        rf_convert_colours( &conversion, RF_COLOUR_LIGHT, image->rgb, (size_t)image->width * (size_t)image->height, 3 );
     return result;
 }
 

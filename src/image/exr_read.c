@@ -3,7 +3,7 @@
 
 #include "base/file.h"
 #include "image/atomic_file.h"
-#include "image/exr_dwa.h"
+#include "image/exr_stream.h"
 #include "image/exr_layer.h"
 #include "image/half.h"
 
@@ -361,21 +361,6 @@ RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error
     return rf_fail( error, RF_ERROR_IO, "%s: not a regular file", path );
 }
 
-static void take_colour( void* user, int channel, int x, int y, const float* values, int count )
-{
-    RfImage* image = user;
-    float* out = image->rgb + 3 * ( (size_t)y * (size_t)image->width + (size_t)x ) + channel;
-    for ( int i = 0; i < count; ++i )
-        out[3 * i] = values[i];
-}
-
-static void spread_luminance( RfImage* image )
-{
-    size_t pixels = (size_t)image->width * (size_t)image->height;
-    for ( size_t i = 0; i < pixels; ++i )
-        image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
-}
-
 RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* conversion, RfError* error )
 {
     exr_attr_chromaticities_t read;
@@ -398,45 +383,6 @@ RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* convers
         "remove this attribute",
         part->stream->path, (double)given.xy[0][0], (double)given.xy[0][1], (double)given.xy[1][0], (double)given.xy[1][1],
         (double)given.xy[2][0], (double)given.xy[2][1], (double)given.xy[3][0], (double)given.xy[3][1] );
-}
-
-RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConversion* conversion, RfError* error )
-{
-    *image = ( RfImage ){ 0 };
-    RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, 0, &part, error );
-    if ( result != RF_OK )
-        return result;
-    RfExrChannels channels;
-    result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
-    *conversion = ( RfColourConversion ){ .needed = false };
-    if ( result == RF_OK && channels.count == 3 )
-        result = rf_read_exr_colours( &part, conversion, error );
-    if ( result == RF_OK )
-        result = rf_create_image( part.width, part.height, image, error );
-    if ( result == RF_OK )
-        result = rf_read_exr_lines( &part, channels.names, channels.count, take_colour, image, error );
-    if ( result == RF_OK && channels.count == 1 )
-        spread_luminance( image );
-    rf_close_exr_part( &part );
-    if ( result != RF_OK )
-        rf_destroy_image( image );
-    return result;
-}
-
-RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
-{
-    *image = ( RfImage ){ 0 };
-    RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
-    RfColourConversion conversion;
-    result = rf_read_exr_stream( &stream, image, &conversion, error );
-    if ( result == RF_OK )
-        rf_convert_colours( &conversion, RF_COLOUR_LIGHT, image->rgb, (size_t)image->width * (size_t)image->height, 3 );
-    close( stream.fd );
-    return result;
 }
 
 RfResult rf_read_exr_string( const char* path, const char* name, char* value, size_t size, RfError* error )

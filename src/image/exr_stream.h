@@ -1,7 +1,5 @@
-// Shared by reading and writing EXR: an OpenEXRCore context over our own file descriptor or
-// over bytes in memory. Our read and write callbacks record every system error, including
-// those that the library drops (exr_finish reports success on a full disk), and capture its
-// messages instead of letting it print to standard error.
+// Shared by reading and writing EXR: an OpenEXRCore context over our own file descriptor or over bytes in memory. Our callbacks record
+// every system error, including those that the library drops (exr_finish reports success on a full disk), and capture its messages.
 #ifndef REFRAME_IMAGE_EXR_STREAM_H
 #define REFRAME_IMAGE_EXR_STREAM_H
 
@@ -35,12 +33,9 @@ exr_context_initializer_t rf_exr_initializer( RfExrStream* stream );
 // exr_start_read by it, which fails also where the library would go on without what it had no memory for.
 exr_result_t rf_start_exr( RfExrStream* stream, exr_context_t* context );
 
-// Allocator for the alloc_fn of a pipeline. Its large buffers are mapped directly from the
-// system: malloc would keep some of them after they are freed, which the memory budget would
-// not know of.
+// The alloc_fn and free_fn of pipelines. Their large buffers are mapped directly from the system: malloc would keep some of them after
+// they are freed, which the memory budget would not know of.
 void* rf_alloc_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, size_t bytes );
-
-// The matching free_fn.
 void rf_free_exr_buffer( exr_transcoding_pipeline_buffer_id_t id, void* buffer );
 
 // Fails with a message for a library call that returned `code`.
@@ -64,11 +59,9 @@ typedef struct RfExrPart
     const exr_attr_chlist_t* channels;
 } RfExrPart;
 
-// Opens a part from the beginning of the file and checks that its pixels can be read. Close
-// after success. On failure part->count is the number of parts, or 0 if unknown.
+// Opens a part from the beginning of the file and checks that its pixels can be read. Close it after success. On failure part->count is
+// the number of parts, or 0 if unknown.
 RfResult rf_open_exr_part( RfExrStream* stream, int index, RfExrPart* part, RfError* error );
-
-// Closes a part.
 void rf_close_exr_part( RfExrPart* part );
 
 // The conversion of a part's colours to Rec. 709. Where the part lacks the attribute, another has it for all.
@@ -94,5 +87,28 @@ RfResult rf_read_exr_lines( const RfExrPart* part, const char* const* names, int
 // The same, and decodes all other channels too; *same is false where the part has a checksum for its compression and other pixels.
 RfResult rf_verify_exr_lines( const RfExrPart* part, const char* const* names, int count, RfExrLineFn* take, void* user,
                               bool* same, RfError* error );
+
+// DWAA and DWAB.
+bool rf_is_dwa( RfExrCompression compression );
+
+// The largest size of a colour that DWA is given: it is off by RF_DWA_WORST at most, which then stays in the range of half floats.
+#define RF_DWA_MOST 30000.0f
+
+// What DWA compresses in place of a colour: v^(1/2.2) up to 1, 1 + ln v / 2.2 beyond, with the sign. Errors are bounded in this
+// scale.
+double rf_dwa_scale( double value );
+
+// Bounds of the error in that scale. DWA turns R, G, B into Y', Cb, Cr (Rec. 709) and quantises DCT coefficient k of blocks of 8 by 8
+// with an error of up to level / 1e5 times that of JPEG's table over the table's least. The root mean square of these errors
+// over 64 coefficients is that over 64 pixels, as the transform is orthonormal: 6.71 and 5.31 level / 1e5 for luma and chroma,
+// and in B, which is Y' + 1.8556 Cb, 16.6. `scale` is the root mean square of the colours themselves, which are rounded to half floats
+// six times on the way.
+double rf_dwa_error_bound( double level, double scale );
+
+// A compress_fn for a part whose channel i may change where `may_change` says so. `level` is DWA's.
+exr_result_t rf_compress_dwa_chunk( exr_encode_pipeline_t* pipeline, RfExrStream* stream, const bool* may_change, float level );
+
+// A decompress_fn.
+exr_result_t rf_decompress_dwa_chunk( exr_decode_pipeline_t* pipeline, RfExrStream* stream );
 
 #endif

@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "image/atomic_file.h"
 #include "image/colour.h"
-#include "image/exr_dwa.h"
 #include "image/exr_stream.h"
 #include "image/half.h"
 
@@ -719,8 +718,5 @@ RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOption
         result = write_checksums( &writer, error );
     for ( int p = 0; p < writer.part_count && result == RF_OK; ++p )
         result = verify_part( &writer, p, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &file, error );
-    rf_discard_atomic_file( &file );
-    return result;
+    return rf_end_atomic_file( &file, result, error );
 }

@@ -4,7 +4,6 @@
 #include "image/decode_formats.h"
 
 #include <setjmp.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -4,8 +4,6 @@
 
 #include "reframe/error.h"
 
-#include <stddef.h>
-
 #define RF_JPEG_MAX_SIDE 65500 // limit of libjpeg
 
 // Encodes 8-bit RGB, rows from top to bottom, pixels interleaved, without chroma subsampling;

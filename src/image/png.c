@@ -3,12 +3,10 @@
 
 #include "image/atomic_file.h"
 #include "image/decode_formats.h"
-#include "reframe/image.h"
 
 #include <math.h>
 #include <png.h>
 #include <setjmp.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,16 +78,6 @@ static void flush_bytes( png_structp png )
     (void)png; // no flush needed: the commit syncs
 }
 
-static png_byte encode_srgb( float linear )
-{
-    if ( !( linear > 0.0f ) )
-        return 0;
-    if ( linear >= 1.0f )
-        return 255;
-    float curve = linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf( linear, 1.0f / 2.4f ) - 0.055f;
-    return (png_byte)( 255.0f * curve + 0.5f );
-}
-
 static float opacity( const float* alpha, int x )
 {
     return alpha != NULL && !isnan( alpha[x] ) ? fminf( fmaxf( alpha[x], 0.0f ), 1.0f ) : 1.0f;
@@ -125,7 +113,7 @@ static void encode_row( Writer* writer, const float* rgb, const float* alpha, in
             else if ( writer->show != NULL )
                 out[c] = (png_byte)( 255.0f * writer->shown[3 * x + c] + 0.5f );
             else
-                out[c] = encode_srgb( scale * pixel[c] );
+                out[c] = (png_byte)( 255.0f * rf_linear_to_srgb( scale * pixel[c] ) + 0.5f );
         }
         if ( alpha != NULL )
             out[3] = (png_byte)( 255.0f * opaque + 0.5f );
@@ -202,10 +190,7 @@ static RfResult write_file( const Writer* settings, const RfImage* image, const 
     {
         result = write_image( writer, image, alpha );
         png_destroy_write_struct( &writer->png, &writer->info );
-        if ( result == RF_OK )
-            result = rf_commit_atomic_file( &writer->file, error );
-        else
-            rf_discard_atomic_file( &writer->file );
+        result = rf_end_atomic_file( &writer->file, result, error );
     }
     destroy_writer( writer );
     return result;

@@ -38,17 +38,8 @@ RfResult rf_import_by_assimp( const char* path, RfModel* model, RfLog* log, RfEr
 // Imports the materials. Fails only with RF_ERROR_MEMORY, like the following.
 RfResult rf_import_materials( RfImport* import, RfError* error );
 
-// Imports the cameras, each on a new node below the node of its name.
-void rf_import_cameras( RfImport* import );
-
-// Imports the lights, in the same way.
-void rf_import_lights( RfImport* import );
-
 // A copy that the caller frees; NULL for an empty string.
 char* rf_import_text( const struct aiString* text );
-
-// Adds a node and returns its index; −1 if out of memory.
-int rf_import_add_node( RfImport* import, const struct aiString* name, int parent, const RfMat4* matrix );
 
 #define RF_IMPORT_MEMORY "out of memory for what is in the file"
 

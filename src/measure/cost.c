@@ -3,13 +3,11 @@
 
 #include "base/system.h"
 #include "measure/image_error.h"
-#include "measure/trial_runs.h"
+#include "render/estimator.h"
 #include "render/groups.h"
 #include "render/settings.h"
-#include "render/estimator.h"
 #include "reuse/tile/tile.h"
 #include "scene/leave_out.h"
-#include "trace/trace.h"
 
 #include <limits.h>
 #include <math.h>
@@ -17,13 +15,6 @@
 
 #define COST_ROUNDS 100
 #define COST_TASKS ( 2 * RF_COST_POSITIONS ) // of a round: path tracing and reuse by turns, with different seeds
-
-// The trials of a curve with the same number of passes.
-typedef struct CostLevel
-{
-    double relmse, cpu_seconds, samples; // sums
-    int trials;
-} CostLevel;
 
 typedef struct CostStudy
 {
@@ -38,17 +29,10 @@ typedef struct CostStudy
     int round;
     RfTrial sums[2];                 // of all rounds: each weighs as its passes, since more samples determine the error better
     RfTrial clamped[RF_COST_CLAMPS]; // of reuse, by the clamp of the round
-    CostLevel levels[2][RF_COST_LEVELS];
     double start;
 } CostStudy;
 
-static inline double cost_frame_pixels( const RfCostJob* job ) { return (double)job->shot.eyes->width * job->shot.eyes->height; }
-
-// Seconds of a frame of a curve with so many samples per pixel.
-static inline double cost_frame_seconds( const RfCostJob* job, const RfCostCurve* c, double spp, double sample_seconds )
-{
-    return cost_frame_pixels( job ) * spp * sample_seconds + c->finish_seconds;
-}
+static double cost_frame_pixels( const RfCostJob* job ) { return (double)job->shot.eyes->width * job->shot.eyes->height; }
 
 static const RfInterval s_unknown = { (double)NAN, (double)NAN, (double)NAN };
 
@@ -92,16 +76,13 @@ static RfInterval slope_of( const RfCostCurve* c )
     return rf_fit_slope( seconds, errors, c->count );
 }
 
-// Adds a trial of a curve.
 static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
 {
-    CostLevel* level = s->levels[curve];
+    RfTrialRow* row = ( curve == 0 ? &s->cost->plain : &s->cost->reuse )->rows;
     for ( int passes = s->first_passes; passes < s->passes; passes *= 2 )
-        level += 1;
-    level->relmse += rf_trial_relmse( trial, s->passes );
-    level->cpu_seconds += trial->cpu_seconds;
-    level->samples += trial->timed_samples;
-    level->trials += 1;
+        row += 1;
+    rf_add_trial( &row->trial, trial );
+    row->rounds += 1;
     int first = 0; // of the pieces of this position, the same in all rounds
     for ( int k = 0; k < position; ++k )
         first += s->runs.regions[k].pieces.count;
@@ -122,16 +103,16 @@ static void fit_cost_curve( CostStudy* s, int curve, RfCostCurve* c )
     c->finish_seconds = sum->finish_pixels > 0.0
                             ? fmax( sum->finish_seconds, 0.0 ) / sum->finish_pixels * cost_frame_pixels( s->job ) / s->threads
                             : 0.0;
-    c->count = 0;
-    for ( int i = 0; i < RF_COST_LEVELS && s->levels[curve][i].trials > 0; ++i )
+    for ( c->count = 0; c->count < RF_COST_LEVELS && c->rows[c->count].rounds > 0; ++c->count )
     {
-        const CostLevel* level = s->levels[curve] + i;
-        int passes = s->first_passes << i;
-        double sample = level->cpu_seconds / level->samples,
-               seconds = cost_frame_seconds( s->job, c, passes, sample / s->threads );
-        c->rows[c->count++] = ( RfCostRow ){
-            .spp = passes, .seconds = seconds, .cpu_seconds = seconds * s->threads, .relmse = level->relmse / level->trials
-        };
+        RfTrialRow* row = c->rows + c->count;
+        row->group = c->group;
+        row->eyes = c->eyes;
+        row->tile = c->tile;
+        row->spp = s->first_passes << c->count;
+        row->samples = cost_frame_pixels( s->job ) * row->spp;
+        row->fit.threads = s->threads;
+        rf_predict_trial_row( row, cost_frame_pixels( s->job ), 1, 1.0 );
     }
     c->slope = slope_of( c );
 }
@@ -183,7 +164,7 @@ static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve
         rf_add_group_samples( &plan, job->shot.frames, first, end, &samples, &unused );
     }
     p.spp = plan.spp;
-    p.frame_seconds = cost_frame_seconds( job, curve, plan.spp, curve->sample_seconds );
+    p.frame_seconds = cost_frame_pixels( job ) * plan.spp * curve->sample_seconds + curve->finish_seconds;
     p.seconds = samples * cost_frame_pixels( job ) * curve->sample_seconds + job->shot.frame_count * curve->finish_seconds;
     return p;
 }
@@ -244,11 +225,8 @@ static void share_threads( CostStudy* s )
 static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
 {
     const RfCostJob* job = s->job;
-    RfRenderSettings asked = *job->settings;
-    asked.noise = asked.flicker = asked.time = 0.0;
-    asked.adaptive = RF_ADAPTIVE_OFF;
-    asked.clamp = asked.clamp_chains = 0.0;
-    asked.aovs &= ~( RF_AOV_BIT( RF_AOV_REMOVED ) | RF_PASS_AOVS );
+    RfRenderSettings asked = rf_trial_settings( job->settings );
+    asked.aovs &= ~RF_PASS_AOVS;
     asked.light_groups = NULL;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
     RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
@@ -302,14 +280,12 @@ static bool no_more( void* user, const RfProgress* progress )
 static void find_clamp( CostStudy* s )
 {
     const RfTestRegion* region = s->runs.regions;
-    RfRenderSettings settings = *s->job->settings;
+    RfRenderSettings settings = rf_trial_settings( s->job->settings );
     RfRenderStats stats = { .clamp = 0.0 };
     settings.group = s->settings[1].group;
     settings.clamp = RF_CLAMP_AUTO;
     settings.spp = s->first_passes; // the pilot is for the error
     settings.noise = s->job->relmse;
-    settings.flicker = settings.time = 0.0;
-    settings.adaptive = RF_ADAPTIVE_OFF;
     settings.aovs = 0;
     settings.light_groups = NULL;
     settings.queue = 0;
@@ -371,13 +347,13 @@ static RfResult begin( CostStudy* s, RfError* error )
 // Renders all frames of each region one by one, and as one group with reuse.
 static RfResult run_round( CostStudy* s, RfError* error )
 {
-    RfTrialRow rows[2];
+    RfTrialTask tasks[2];
     for ( int k = 0; k < 2; ++k )
-        rows[k] = ( RfTrialRow ){ s->settings[k], s->settings[k].group == 0 ? INT_MAX : 1, s->passes };
+        tasks[k] = ( RfTrialTask ){ s->settings[k], s->settings[k].group == 0 ? INT_MAX : 1, s->passes };
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, s->passes );
     s->runs.first = s->round * RF_COST_POSITIONS + 1;
-    RfResult result = rf_run_trials( &s->runs, rows, 2, error );
+    RfResult result = rf_run_trials( &s->runs, tasks, 2, error );
     if ( result != RF_OK )
         return result;
     for ( int i = 0; i < 2 * s->cost->positions; ++i )

@@ -1,33 +1,21 @@
-// Measures what accuracy costs in time on this scene and machine. A few frames of the path are
-// rendered with increasing sample counts, by path tracing and with reuse, and their errors are
-// measured without a reference (trial.h). The error of an unbiased estimator is proportional
-// to 1 / samples, so all measurements together predict the seconds to any error; their spread
-// over positions and sample counts gives the confidence interval.
+// Measures what accuracy costs in time: a few frames of the path are rendered with increasing sample counts, by path tracing and with
+// reuse, and their errors are measured without a reference (trial.h). The error of an unbiased estimator is proportional to
+// 1 / samples, so all measurements together predict the seconds to any error; their spread gives the confidence interval.
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 
-#include "measure/trial.h"
-#include "measure/image_error.h"
+#include "measure/trial_runs.h"
 
 #define RF_COST_LEVELS 12
 #define RF_COST_POSITIONS 3
 #define RF_COST_CLAMPS 4
-
-// A point of a curve: the mean over the positions on the path.
-typedef struct RfCostRow
-{
-    int spp;        // own-frame samples per pixel
-    double seconds; // for a frame of the requested size where all threads work: CPU seconds, by threads
-    double cpu_seconds;
-    double relmse;
-} RfCostRow;
 
 typedef struct RfCostCurve
 {
     int group; // half-width n, clipped to the path
     int eyes;  // in a full group
     RfTile tile;
-    RfCostRow rows[RF_COST_LEVELS];
+    RfTrialRow rows[RF_COST_LEVELS]; // by sample count: trials at all positions, of a frame of the requested size
     int count;
     RfInterval slope;      // of log relMSE against log seconds
     double relmse;         // of a single sample

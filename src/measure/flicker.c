@@ -1,15 +1,10 @@
 // Follows points of one frame into the next by depth and motion, and sums the change of their error.
 #include "measure/flicker.h"
 
-#include "reframe/image.h"
-#include "reframe/measure.h"
-#include "render/groups.h"
 #include "trace/trace.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define FOLLOW_DEPTH_TOLERANCE 0.02
 #define FOLLOW_NO_SURFACE 1e9 // depths from here on, infinite, or not above 0 mean: no surface

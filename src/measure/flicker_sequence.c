@@ -2,10 +2,6 @@
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
-#include "image/exr.h"
-#include "measure/image_error.h"
-#include "measure/flicker.h"
-#include "measure/sequences.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -233,7 +229,6 @@ static bool has_channels( const RfExrHeader* header, const char* const* names, i
     return true;
 }
 
-// Motion, depth and variance.
 static RfResult read_layers( const char* path, const RfFlickerLayers* layers, const RfExrHeader* header, RfFlickerFrame* frame,
                              RfError* error )
 {

@@ -5,8 +5,6 @@
 #include "reframe/error.h"
 #include "reframe/measure.h"
 
-// A quantity with its confidence interval.
-
 // A quantity and its 95 % confidence interval; NaN where it is not known.
 typedef struct RfInterval
 {
@@ -22,29 +20,18 @@ RfInterval rf_log_interval( double value, double margin );
 // an estimate that rests on a few large contributions has a wide interval. NaN for fewer than two.
 double rf_influence_margin( const double* influence, int count, double variance );
 
-// The 95 % confidence interval of a mean error, by block averaging over pixels.
-//
-// One observation is the sum of the errors of a block over all frames. The spread between
-// blocks therefore includes the correlation of frames that share samples or have a static
-// error. Neighbouring blocks are correlated too, if errors reach across their borders:
-// filters, tiles, a sample reused at several positions of several frames. So the estimate is
-// repeated with blocks of twice the side, and so on while at least 16 remain, and with
-// horizontal and vertical strips if there are at least 8: what a panning camera drags along
-// stays in its strip. The widest interval is returned (Flyvbjerg, Petersen, "Error estimates
-// on averages of correlated data", 1989, in two dimensions). Student's t accounts for the
-// small number of blocks.
-//
-// A bias that truly varies across the image widens the interval, which errs on the safe side.
-
 // The two-sided 95 % quantile of Student's t, to 0.3 %; freedom ≥ 1.
 double rf_student_quantile( int freedom );
 
-// The error of an image against a reference: relMSE, MSE, bias and maximum, for
-// a single frame or pooled over the frames of a sequence (reframe/measure.h).
-// Sums are accumulated in double, in row and frame order.
+// The error of an image against a reference (reframe/measure.h), for a single frame or pooled over the frames of a sequence. Sums are
+// accumulated in double, in row and frame order.
 //
-// The 95 % confidence interval of the bias is estimated from blocks of pixels,
-// each pooled over all frames.
+// The 95 % interval of the bias is by block averaging: one observation is the sum of the errors of a block of pixels over all frames,
+// so that the spread includes the correlation of frames that share samples or have a static error. Since errors reach across borders,
+// by filters, tiles and reuse, the estimate is repeated with blocks of twice the side, and so on while at least 16 remain, and with
+// strips if there are at least 8: what a panning camera drags along stays in its strip. The widest interval is returned (Flyvbjerg,
+// Petersen, "Error estimates on averages of correlated data", 1989, in two dimensions). A bias that truly varies across the image
+// widens it, which errs on the safe side.
 
 // True if any pixel is NaN or infinite, so that the measures are undefined.
 static inline bool rf_has_no_error( const RfErrorMetrics* m )
@@ -74,7 +61,6 @@ typedef struct RfErrorSummary
 // Allocates a summary for `frames` frames; their number sizes the heap of worst pixels.
 RfResult rf_create_summary( int width, int height, int frames, RfErrorSummary* summary, RfError* error );
 
-// Frees the arrays of a summary and clears it.
 void rf_destroy_summary( RfErrorSummary* summary );
 
 // Adds a frame. If the sizes differ it fails (RF_ERROR_FORMAT) and adds nothing.
@@ -82,5 +68,28 @@ RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const Rf
 
 // The measures over all frames added so far.
 RfErrorMetrics rf_summary_metrics( const RfErrorSummary* summary );
+
+// Measures a frame alone, and adds it to the summary, which is created for `frames` frames where it is all zero.
+RfResult rf_measure_frame( RfErrorSummary* summary, int frames, const RfImage* image, const RfImage* reference,
+                           RfErrorMetrics* metrics, RfError* error );
+
+// The frames of two sequences, ascending.
+typedef struct RfFramePairs
+{
+    int *both, count;
+    int *lacking[2], lacking_count[2]; // what the other alone has
+    int *all, all_count;
+} RfFramePairs;
+
+// Matches frames by their numbers, which ascend. Free with rf_free_frame_pairs.
+RfResult rf_pair_frames( const int* const numbers[2], const int counts[2], RfFramePairs* pairs, RfError* error );
+void rf_free_frame_pairs( RfFramePairs* pairs );
+
+// Fails with RF_ERROR_IO where one lacks a frame that the other has, and names it.
+RfResult rf_check_all_paired( const RfFramePairs* pairs, const char* const patterns[2], RfError* error );
+
+// From the number of a frame to that of the next, as the file of frame `number` says (a camera path may go in
+// steps); 1 where it does not.
+int rf_sequence_step( const char* pattern, int number );
 
 #endif

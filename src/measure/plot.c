@@ -3,11 +3,8 @@
 
 #include "base/plain_text.h"
 #include "image/atomic_file.h"
-#include "reframe/error.h"
 
 #include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -66,7 +63,6 @@ static PlotScale plot_scale( const RfPlot* plot, bool vertical, double from, dou
     return scale;
 }
 
-// The coordinate of a value.
 static double plot_position( const PlotScale* s, double value )
 {
     double share = s->log ? log( value / s->min ) / log( s->max / s->min ) : ( value - s->min ) / ( s->max - s->min );

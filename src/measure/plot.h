@@ -5,9 +5,6 @@
 
 #include "reframe/error.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 typedef struct RfPlotAxis
 {
     const char* label;

@@ -2,16 +2,11 @@
 #include "measure/trial.h"
 
 #include "base/random.h"
-#include "base/remedy.h"
 #include "base/system.h"
 #include "film/brightness.h"
 #include "film/pixel_filter.h"
-#include "measure/image_error.h"
-#include "measure/trial_pieces.h"
-#include "reframe/measure.h"
 #include "render/settings.h"
 #include "reuse/tile/tile.h"
-#include "scene/eye.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -305,7 +300,6 @@ static void cell_brightness( const RfTestRegion* region, const RfFrameResult* fr
     rf_block_brightness( width, frame->height, cell, grey, brightness );
 }
 
-// relMSE weights of a frame.
 static RfResult keep_weights( void* user, const RfFrameResult* frame, RfError* error )
 {
     (void)error;

@@ -1,26 +1,18 @@
-// A trial measures the cost and error of a group and a tile from a few passes of a few frames,
-// without a reference.
+// A trial measures the cost and error of a group and a tile from a few passes of a few frames, without a reference, on pieces of the
+// picture (trial_pieces.h) in the resolution of the render: on a smaller picture reuse is worth another amount.
 //
-// It does not render whole pictures but pieces of them (trial_pieces.h), in the resolution of the render: on a smaller picture a
-// tile covers more of the scene and the camera moves by fewer pixels, so reuse is worth another amount there.
+// A segment of 2n+1 frames of the path is rendered as a single group. A frame of a long path is the mean over the 2n+1 groups that
+// contain it, in each of which it has a different position. So the error averaged over the positions within one group, v with P passes,
+// predicts the frame in the middle of a long path: v·P/S with S own-frame samples per pixel, at the same cost per sample. Errors fall a
+// little faster than that (src/reuse/estimators.md, section 24), so it is rather too high than too low. RfPlanRow.samples has the extra
+// cost of the ends of the path, of several sweeps and of a selection of frames.
 //
-// A segment of 2n+1 frames of the path is rendered as a single group: a long path consists of
-// such groups. A frame of the long path is the mean over the 2n+1 groups that contain it, in
-// each of which it has a different position. So the error averaged over the positions within
-// one group, v with P passes, predicts the frame in the middle of a long path: v·P/S with S
-// own-frame samples per pixel, at the same cost per sample. Errors fall a little faster than that
-// (src/reuse/estimators.md, section 24), so it is rather too high than too low. The extra cost of the ends of the
-// path, of several sweeps or of a selection of frames is not measured here: see
-// RfPlanRow.samples.
+// The group is rendered twice with independent seeds. The variance of the difference d is twice that of the error, whatever tiles and
+// frames share (the two halves of one film share c of (E2)). F1 and φ come from d as well: the signal cancels, so no motion compensation
+// is needed. Bias is not measured: exact weights have none.
 //
-// The group is rendered twice with independent seeds. The variance of the difference d is
-// twice that of the error, whatever tiles and frames share (the two halves of one film share c
-// of (E2)). F1 and φ come from d as well: the signal cancels, so no motion compensation is
-// needed. Bias is not measured: exact weights have none.
-//
-// relMSE divides by the image. Dividing by each noisy render itself would overweight dark
-// pixels and underweight fireflies, the more so the noisier it is. All settings therefore use
-// the brightness (E23) of the same pilot image of the test region, which is independent of them.
+// relMSE divides by the image. Dividing by each noisy render itself would overweight dark pixels and underweight fireflies. All settings
+// therefore use the brightness (E23) of the same pilot image of the test region, which is independent of them.
 //
 // With a clamp (src/reuse/estimators.md, E15) one render has both pictures: the clamped one, and with what was removed the
 // exact one. All figures are of the exact picture, but those that say otherwise. The error of the clamped one is its variance,
@@ -77,7 +69,6 @@ static inline double rf_region_pixels( const RfTestRegion* region )
     return region->pieces.pixels * ( region->crops != NULL ? region->frames : 1 );
 }
 
-// Frees a test region and clears it.
 void rf_destroy_test_region( RfTestRegion* region );
 
 #define RF_TRIAL_PIECES 512

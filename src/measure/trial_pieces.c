@@ -3,9 +3,6 @@
 
 #include "base/random.h"
 #include "film/pixel_filter.h"
-#include "render/pieces.h"
-#include "scene/eye.h"
-#include "scene/lens.h"
 #include "scene/projection.h"
 #include "trace/trace.h"
 

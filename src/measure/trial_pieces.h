@@ -1,10 +1,8 @@
-// The pieces of a picture at which a trial measures: blocks of the real picture, one at a random place of each cell of a
-// regular grid, so that they hold its surfaces in about the proportion in which the picture does.
+// The pieces of a picture at which a trial measures: blocks of the real picture, one at a random place of each cell of a regular grid.
 //
-// Hits are reused in neighbouring frames. So in each frame of a test region the pieces lie where their surfaces are seen
-// there, and from all frames those pixels are traced, too, whose hits land in a piece of some frame (render/pieces.h).
-// A piece is then what it is in the whole render, whatever the camera does. Only where a surface comes into sight between
-// the pixels that are looked at, or is seen in a chain of mirrors, may a hit be missed.
+// Hits are reused in neighbouring frames. So in each frame of a test region the pieces lie where their surfaces are seen there, and from
+// all frames those pixels are traced, too, whose hits land in a piece of some frame (render/pieces.h): a piece is then what it is in the
+// whole render. Only where a surface comes into sight between the pixels that are looked at, or in a chain of mirrors, may a hit be missed.
 #ifndef REFRAME_MEASURE_TRIAL_PIECES_H
 #define REFRAME_MEASURE_TRIAL_PIECES_H
 
@@ -34,7 +32,6 @@ typedef struct RfTestPieces
 RfResult rf_choose_pieces( const RfTracer* tracer, const RfEye* eyes, int frames, int centre, double pixels, bool filtered,
                            uint64_t seed, RfTestPieces* pieces, RfError* error );
 
-// Frees pieces and clears them.
 void rf_destroy_test_pieces( RfTestPieces* pieces );
 
 // What a render of the region's frames from `first` on traces.

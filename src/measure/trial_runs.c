@@ -5,7 +5,33 @@
 #include "base/system.h"
 #include "trace/trace.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+RfRenderSettings rf_trial_settings( const RfRenderSettings* settings )
+{
+    RfRenderSettings s = *settings;
+    s.noise = s.flicker = s.time = 0.0;
+    s.adaptive = RF_ADAPTIVE_OFF;
+    s.clamp = s.clamp_chains = 0.0;
+    s.aovs &= ~RF_AOV_BIT( RF_AOV_REMOVED );
+    return s;
+}
+
+void rf_predict_trial_row( RfTrialRow* row, double pixels, int frames, double factor )
+{
+    static const RfTrial none = { 0 };
+    const RfTrial* trial = row->rounds > 0 ? &row->trial : &none;
+    RfInterval error = rf_trial_error( trial );
+    double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
+    row->cpu_seconds =
+        row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * fmax( finish, 0.0 );
+    row->seconds = row->cpu_seconds / row->fit.threads;
+    row->relmse = rf_trial_relmse( trial, row->spp ) * factor;
+    row->error = ( RfInterval ){ row->relmse, error.low / row->spp * factor, error.high / row->spp * factor };
+    row->f1 = rf_trial_f1( trial, row->spp );
+    row->phi = trial->weight > 0.0 ? rf_trial_phi( trial ) : (double)NAN;
+}
 
 static bool may_go_on( const RfTrialWatch* watch )
 {
@@ -31,11 +57,11 @@ static RfResult make_region( RfTrialRuns* runs, int index, RfError* error )
 
 static RfResult run_trial( RfTrialRuns* runs, int index, RfError* error )
 {
-    int region = index / runs->row_count;
-    const RfTrialRow* row = runs->rows + index % runs->row_count;
-    RfRenderSettings settings = row->settings;
+    int region = index / runs->task_count;
+    const RfTrialTask* task = runs->tasks + index % runs->task_count;
+    RfRenderSettings settings = task->settings;
     settings.seed = rf_mix64( settings.seed ^ rf_mix64( (uint64_t)( runs->first + region ) ) );
-    RfResult result = rf_run_trial( runs->regions + region, row->groups, row->passes, &settings, runs->trials + index, error );
+    RfResult result = rf_run_trial( runs->regions + region, task->groups, task->passes, &settings, runs->trials + index, error );
     runs->done[index] = result == RF_OK;
     return result;
 }
@@ -75,7 +101,7 @@ static void free_trials( RfTrialRuns* runs )
     free( runs->done );
     runs->trials = NULL;
     runs->done = NULL;
-    runs->row_count = 0;
+    runs->task_count = 0;
 }
 
 void rf_end_trial_runs( RfTrialRuns* runs )
@@ -100,7 +126,7 @@ RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int 
     return run_tasks( runs, count, make_region, error );
 }
 
-RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialRow* rows, int count, RfError* error )
+RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialTask* tasks, int count, RfError* error )
 {
     size_t trials = (size_t)runs->region_count * (size_t)count;
     free_trials( runs );
@@ -108,8 +134,8 @@ RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialRow* rows, int count, Rf
     runs->done = calloc( trials, sizeof *runs->done );
     if ( runs->trials == NULL || runs->done == NULL )
         return fail_memory( error );
-    runs->rows = rows;
-    runs->row_count = count;
+    runs->tasks = tasks;
+    runs->task_count = count;
     return run_tasks( runs, (int)trials, run_trial, error );
 }
 
@@ -118,7 +144,7 @@ double rf_trial_runs_seconds( const RfTrialRuns* runs )
     double cpu = 0.0;
     for ( int i = 0; i < runs->region_count; ++i )
         cpu += runs->regions[i].seconds;
-    for ( int i = 0; i < runs->region_count * runs->row_count; ++i )
+    for ( int i = 0; i < runs->region_count * runs->task_count; ++i )
     {
         const RfTrial* trial = runs->trials + i;
         if ( trial->timed_samples > 0.0 )

@@ -1,6 +1,6 @@
-// Runs trials (trial.h) of several settings at several places of the path, for `tune` and `cost`: in parallel with a thread
-// each, so that their times are those of the work alone, however small the images are. All settings share the regions, and
-// with them the pilot images for relMSE, and the seeds.
+// What `tune` and `cost` share: a row of their tables, and trials (trial.h) of several settings at several places of the path, in
+// parallel with a thread each, so that their times are those of the work alone, however small the images are. All settings share
+// the regions, and with them the pilot images for relMSE, and the seeds.
 #ifndef REFRAME_MEASURE_TRIAL_RUNS_H
 #define REFRAME_MEASURE_TRIAL_RUNS_H
 
@@ -8,12 +8,45 @@
 
 #include <stdatomic.h>
 
-// A setting that is tried.
+// A row: a setting, what a render with it takes, and what its trials say. NaN: not known.
 typedef struct RfTrialRow
+{
+    int group; // half-width n, clipped to the path
+    int eyes;  // in a full group
+    RfTile tile;
+    int spp;                    // as rendered
+    RfMemoryFit fit;            // of the render; only `least` is set if it does not fit. Of cost only `threads`
+    double samples;             // own-frame samples of the frames predicted for, over all sweeps
+    double predicted_gain;      // as in plan.h, relative to the same tile without frame reuse
+    double cost;                // of an own-frame sample, with fixed costs
+    const char* excluded;       // why it is not tried; NULL: it is, as far as the time goes
+    bool usual;                 // what a render takes by itself: of the job's tile the group of RF_GROUP_AUTO
+    int rounds;                 // in which it was tried
+    RfTrial trial;              // sum over those rounds
+    double log_error, log_time; // corrections by the other rows, added to the logarithms of the trial's error and time
+    // predictions
+    double cpu_seconds, seconds; // of all frames predicted for: all of a render in tune, one in cost
+    double relmse, f1, phi;      // of a frame with `spp` samples
+    double efficiency;           // 1 / (relMSE · CPU seconds of a frame), or with F1 squared in the place of relMSE; before
+                                 // the first round a guess
+    RfInterval error;            // relMSE with its 95 % interval
+    RfInterval gain;             // efficiency relative to path tracing (group 0, tile 1), measured on the same pieces
+    bool chosen;
+} RfTrialRow;
+
+// Predicts time and error of `frames` frames of `pixels` pixels from the trials of a row, whose errors count `factor` times; NaN where
+// there are none.
+void rf_predict_trial_row( RfTrialRow* row, double pixels, int frames, double factor );
+
+// What is tried for a row.
+typedef struct RfTrialTask
 {
     RfRenderSettings settings; // threads and memory are those of a worker
     int groups, passes;        // as in rf_run_trial
-} RfTrialRow;
+} RfTrialTask;
+
+// The settings without what ends a render early and without a clamp.
+RfRenderSettings rf_trial_settings( const RfRenderSettings* settings );
 
 typedef struct RfTrialRuns
 {
@@ -26,12 +59,12 @@ typedef struct RfTrialRuns
     // what is held
     RfTestRegion* regions;
     int region_count;
-    RfTrial* trials; // by region, then row; NULL: not run yet
+    RfTrial* trials; // by region, then task; NULL: not run yet
     bool* done;      // in the same order
-    int row_count;
+    int task_count;
     // while it runs
     const RfTestSite* sites;
-    const RfTrialRow* rows;
+    const RfTrialTask* tasks;
     RfTrialWatch stopper; // of the trials: the watch and the deadline
     atomic_bool stop;
 } RfTrialRuns;
@@ -40,8 +73,8 @@ typedef struct RfTrialRuns
 // RF_ERROR_INTERRUPTED at the deadline.
 RfResult rf_make_trial_regions( RfTrialRuns* runs, const RfTestSite* sites, int count, RfError* error );
 
-// Tries all rows at all regions, region by region. Fails with RF_ERROR_INTERRUPTED at the deadline: `done` says which are valid.
-RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialRow* rows, int count, RfError* error );
+// Does all tasks at all regions, region by region. Fails with RF_ERROR_INTERRUPTED at the deadline: `done` says which are valid.
+RfResult rf_run_trials( RfTrialRuns* runs, const RfTrialTask* tasks, int count, RfError* error );
 
 // Was that the deadline, and nobody's wish?
 bool rf_is_late( const RfTrialRuns* runs, RfResult result );

@@ -1,13 +1,408 @@
-// Successive halving over trials: rounds, candidates, workers and the time budget of `tune`.
+// Successive halving over trials: the rows of tune, rounds, candidates, workers and the time budget.
 #include "measure/tune.h"
 
+#include "base/remedy.h"
 #include "base/system.h"
-#include "measure/trial_runs.h"
-#include "measure/tune_rows.h"
+#include "reframe/plan.h"
+#include "render/groups.h"
 #include "render/settings.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
+static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
+static const char* const s_extended_tiles[RF_TUNE_TILES] = { "1", "2x2", "4x4", "6x6", "8x8" }; // of estimators without groups
+
+static const char s_no_room[] = "does not fit in memory", s_rounded[] = "spp would more than double",
+                  s_hopeless[] = "predicted to gain less than a smaller group";
+
+#define BEYOND 0.97  // of the best gain that the plan predicts for a tile: with less a larger group is not tried
+#define ROUNDING 2.0 // limit of the samples traced, as a multiple of those requested
+
+bool rf_is_plain_row( const RfTrialRow* row ) { return row->group == 0 && row->tile.kind == RF_TILE_NONE; }
+
+RfRenderSettings rf_tune_settings( const RfTrialRow* row, const RfRenderSettings* common )
+{
+    RfRenderSettings settings = *common;
+    settings.group = row->group;
+    settings.tile = row->tile;
+    if ( rf_is_plain_row( row ) ) // whatever the estimator of the others is
+        settings.estimator = rf_default_render_settings().estimator;
+    if ( rf_has_groups( settings.estimator ) )
+        settings.aovs &= ~RF_GRADIENT_AOVS;
+    return settings;
+}
+
+// The cost of rays, in about nanoseconds, as in the plan.
+static double cost_of( const RfPlanRow* row )
+{
+    return ( 100.0 * row->rays_primary + 200.0 * row->rays_path + 100.0 * row->rays_shadow + 40.0 * row->rays_tile +
+             30.0 * row->rays_eye ) /
+           row->rays_primary;
+}
+
+// What a reused path of a tile is worth, roughly: neighbours' paths are alike. It only decides what is tried first.
+static double worth_of( const RfTile* tile )
+{
+    return tile->kind == RF_TILE_NONE ? 1.0 : sqrt( tile->kind == RF_TILE_BLOCK ? tile->width * tile->height : tile->width );
+}
+
+static void take_plan( const RfPlanRow* plan, RfTrialRow* row )
+{
+    row->efficiency = plan->gain * worth_of( &row->tile );
+    row->fit = plan->fit;
+    row->samples = plan->samples;
+    row->predicted_gain = plan->gain;
+    row->cost = cost_of( plan );
+}
+
+static RfMemoryFit fit_of( const RfTuneJob* job, const RfTrialRow* row )
+{
+    RfRenderSettings settings = rf_tune_settings( row, job->settings );
+    RfMemoryFit fit;
+    rf_fit_memory( &job->shot, &settings, &fit, NULL );
+    return fit;
+}
+
+// Leaves out the groups of a tile, from row `first` on, that are larger than the best one by the plan: their reuse costs
+// more than it brings, and the plan overrates large groups, if anything.
+static void drop_hopeless( RfTune* tune, int first )
+{
+    int best = first;
+    for ( int i = first; i < tune->count; ++i )
+        best = isgreater( tune->rows[i].predicted_gain, tune->rows[best].predicted_gain ) ? i : best;
+    for ( int i = best + 1; i < tune->count; ++i )
+    {
+        RfTrialRow* row = tune->rows + i;
+        if ( row->excluded == NULL && !row->usual && isless( row->predicted_gain, BEYOND * tune->rows[best].predicted_gain ) )
+            row->excluded = s_hopeless;
+    }
+}
+
+// Lists the rows of a tile; none fits if the smallest group does not.
+static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
+{
+    RfRenderSettings settings = *job->settings;
+    settings = rf_tune_settings( &( RfTrialRow ){ .tile = *tile }, &settings );
+    RfPlan plan;
+    RfResult result = rf_plan_render( &job->shot, &settings, &plan, error );
+    if ( result != RF_OK && result != RF_ERROR_MEMORY )
+        return result;
+    int planned = result == RF_OK ? plan.count : 0, first = tune->count;
+    for ( int i = 0; i < RF_TUNE_GROUPS; ++i )
+    {
+        RfGroupPlan groups = rf_plan_shots( job->shot.eyes, job->shot.eye_count, s_groups[i], settings.spp );
+        RfTrialRow* row = tune->rows + tune->count++;
+        *row = ( RfTrialRow ){ .group = groups.eyes / 2,
+                               .eyes = groups.eyes,
+                               .tile = *tile,
+                               .spp = groups.spp,
+                               .predicted_gain = NAN,
+                               .efficiency = NAN,
+                               .excluded = s_no_room };
+        if ( i >= planned || !rf_plan_row_fits( plan.rows + i ) )
+            row->fit = fit_of( job, row );
+        else
+        {
+            take_plan( plan.rows + i, row );
+            row->usual = i == plan.chosen && memcmp( tile, &job->settings->tile, sizeof *tile ) == 0;
+            row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
+        }
+        if ( groups.eyes == rf_longest_shot( job->shot.eyes, job->shot.eye_count ) || !rf_has_groups( job->settings->estimator ) )
+            break;
+    }
+    drop_hopeless( tune, first );
+    return RF_OK;
+}
+
+static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t memory, RfError* error )
+{
+    size_t least = tune->rows[0].fit.least;
+    for ( int i = 1; i < tune->count; ++i )
+        least = tune->rows[i].fit.least < least ? tune->rows[i].fit.least : least;
+    char text[RF_BYTES_TEXT_SIZE];
+    rf_format_memory( memory, text );
+    return rf_advise( rf_fail( error, RF_ERROR_MEMORY,
+                               "a budget of %s is too small for frames of %dx%d, whatever the group and the tile", text,
+                               job->shot.eyes->width, job->shot.eyes->height ),
+                      RF_REMEDY_MEMORY, least, error );
+}
+
+RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
+{
+    RfRenderSettings asked = rf_trial_settings( job->settings );
+    asked.group = 0; // auto would compute a further plan
+    RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
+    common->spp = asked.spp;
+    RfRenderSettings listed = *common; // of the render itself, whose memory is said
+    listed.noise = job->settings->noise;
+    listed.flicker = job->settings->flicker;
+    listed.time = job->settings->time;
+    listed.adaptive = job->settings->adaptive;
+    listed.clamp = job->settings->clamp;
+    listed.clamp_chains = job->settings->clamp_chains;
+    listed.aovs = job->settings->aovs;
+    int tried = 0;
+    for ( int t = 0; t < RF_TUNE_TILES && result == RF_OK; ++t )
+    {
+        RfTile tile;
+        rf_parse_tile( rf_has_groups( common->estimator ) ? s_tiles[t] : s_extended_tiles[t], &tile );
+        RfTuneJob resolved = *job;
+        resolved.settings = &listed;
+        result = list_tile( &resolved, &tile, tune, error );
+    }
+    for ( int i = 0; i < tune->count; ++i )
+        tried += tune->rows[i].excluded == NULL;
+    return result == RF_OK && tried == 0 ? fail_memory( job, tune, common->memory, error ) : result;
+}
+
+// How many trials may run in parallel so that half of the memory of each is left for films.
+static int tune_workers( const RfTuneJob* job, const RfTune* tune, const RfRenderSettings* common )
+{
+    int workers = common->threads;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfRenderSettings settings = rf_tune_settings( tune->rows + i, common );
+        RfMemoryFit fit;
+        settings.threads = 1;
+        settings.aovs &= RF_PASS_AOVS;
+        RfShot group = { job->shot.tracer, job->shot.eyes, tune->rows[i].eyes, NULL, tune->rows[i].eyes };
+        RfResult result = rf_fit_memory( &group, &settings, &fit, NULL );
+        if ( tune->rows[i].excluded == NULL && result == RF_OK && fit.sweeps == 1 )
+            workers = rf_trial_workers( common->memory, &fit, workers );
+    }
+    return workers;
+}
+
+// The error of a sample that the goal is about.
+static double tune_error( const RfTune* tune, const RfTrial* trial )
+{
+    double f1 = rf_trial_f1( trial, 1.0 );
+    return tune->goal == RF_TUNE_FLICKER ? f1 * f1 : rf_trial_relmse( trial, 1.0 );
+}
+
+static void predict_row( const RfTune* tune, RfTrialRow* row, double pixels, int frames )
+{
+    bool flicker = tune->goal == RF_TUNE_FLICKER; // what the trials of the other rows correct
+    rf_predict_trial_row( row, pixels, frames, flicker ? 1.0 : exp( row->log_error ) );
+    row->f1 *= flicker ? exp( 0.5 * row->log_error ) : 1.0;
+    row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
+    double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;
+    row->efficiency = isgreater( cost, 0.0 ) ? frames / cost : NAN; // the efficiency of a black image is undefined
+}
+
+// The change from frame to frame is measured over all pieces together: no interval.
+static RfInterval flicker_gain( const RfTrial* plain, const RfTrial* row )
+{
+    double a = rf_trial_f1( plain, 1.0 ), b = rf_trial_f1( row, 1.0 );
+    double cost = b * b * rf_trial_sample_seconds( row );
+    double gain = isgreater( cost, 0.0 ) ? a * a * rf_trial_sample_seconds( plain ) / cost : (double)NAN;
+    return ( RfInterval ){ isgreater( gain, 0.0 ) && isfinite( gain ) ? gain : (double)NAN, (double)NAN, (double)NAN };
+}
+
+// Of the render asked for: more samples are traced at the ends of the path, and in several sweeps.
+static RfInterval gain_over( RfTuneGoal goal, const RfTrialRow* plain, const RfTrialRow* row )
+{
+    RfInterval gain =
+        goal == RF_TUNE_FLICKER ? flicker_gain( &plain->trial, &row->trial ) : rf_trial_gain( &plain->trial, &row->trial );
+    double ends = plain->samples / plain->spp / ( row->samples / row->spp );
+    return row == plain ? ( RfInterval ){ 1.0, 1.0, 1.0 }
+                        : ( RfInterval ){ gain.value * ends, gain.low * ends, gain.high * ends };
+}
+
+void rf_predict_tune_rows( RfTune* tune, double pixels, int frames )
+{
+    const RfTrialRow* plain = NULL;
+    int rounds = 0;
+    tune->chosen = -1;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfTrialRow* row = tune->rows + i;
+        predict_row( tune, row, pixels, frames );
+        row->chosen = false;
+        rounds = row->rounds > rounds ? row->rounds : rounds;
+        plain = rf_is_plain_row( row ) && row->rounds > 0 ? row : plain;
+    }
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        RfTrialRow* row = tune->rows + i;
+        if ( plain != NULL && row->rounds > 0 )
+            row->gain = gain_over( tune->goal, plain, row );
+        if ( row->rounds == rounds && rounds > 0 && isfinite( row->efficiency ) &&
+             ( tune->chosen < 0 || row->efficiency > tune->rows[tune->chosen].efficiency ) )
+            tune->chosen = i;
+    }
+    if ( tune->chosen >= 0 )
+        tune->rows[tune->chosen].chosen = true;
+}
+
+// Smooths the results of trials over the rows. Error and time per sample vary smoothly with
+// the size of the group, and similarly for all tiles, but the noise of a trial does not: a
+// firefly hits one group and not the next, and other load on the machine hits one trial and
+// not the next. So the logarithm of each is fitted by
+//
+//     q(x) + u_tile + v_tile x,    x = log of the frames in a group, q a cubic,
+//
+// and each row is shrunk towards the fit, the more the larger its own noise (estimated from
+// the residuals) is compared to the model error of the fit.
+
+#define MAX_TERMS ( 4 + 2 * ( RF_TUNE_TILES - 1 ) )
+#define FIT_ERROR 0.06  // model error: standard deviation of true values about the fit, in logarithms
+#define FIRST_NOISE 0.2 // initial guess for a first trial
+
+typedef struct Point
+{
+    double terms[MAX_TERMS];
+    double value;    // logarithm of the measured value
+    double evidence; // relative weight of its trials; the smallest is 1
+    int row;
+} Point;
+
+typedef struct Fit
+{
+    Point points[RF_TUNE_ROWS];
+    int count, terms;
+} Fit;
+
+static int tile_number( const RfTune* tune, int row )
+{
+    int number = 0;
+    for ( int i = 1; i <= row; ++i )
+        number += memcmp( &tune->rows[i].tile, &tune->rows[i - 1].tile, sizeof tune->rows[i].tile ) != 0;
+    return number;
+}
+
+// Number of group sizes that have been tried with any tile.
+static int count_groups( const RfTune* tune )
+{
+    int count = 0;
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        bool known = tune->rows[i].rounds == 0;
+        for ( int k = 0; k < i && !known; ++k )
+            known = tune->rows[k].rounds > 0 && tune->rows[k].eyes == tune->rows[i].eyes;
+        count += !known;
+    }
+    return count;
+}
+
+static void collect( const RfTune* tune, bool time, Fit* fit )
+{
+    int groups = count_groups( tune ), powers = groups < 4 ? groups : 4;
+    double least = (double)INFINITY;
+    fit->count = 0;
+    fit->terms = powers + 2 * ( RF_TUNE_TILES - 1 );
+    for ( int i = 0; i < tune->count; ++i )
+    {
+        const RfTrial* trial = &tune->rows[i].trial;
+        if ( tune->rows[i].rounds == 0 )
+            continue;
+        double measured = time ? rf_trial_sample_seconds( trial ) : tune_error( tune, trial );
+        if ( !isgreater( measured, 0.0 ) || isinf( measured ) )
+            continue;
+        Point* p = fit->points + fit->count++;
+        *p = ( Point ){ .value = log( measured ), .evidence = trial->weight, .row = i };
+        least = p->evidence < least ? p->evidence : least;
+        double x = log( tune->rows[i].eyes ), power = 1.0;
+        for ( int k = 0; k < powers; ++k, power *= x )
+            p->terms[k] = power;
+        int tile = tile_number( tune, i );
+        if ( tile > 0 )
+        {
+            p->terms[powers + 2 * ( tile - 1 )] = 1.0;
+            p->terms[powers + 2 * ( tile - 1 ) + 1] = x;
+        }
+    }
+    for ( int i = 0; i < fit->count; ++i )
+        fit->points[i].evidence /= least;
+}
+
+// Solves the symmetric, positive definite system m c = v by elimination; v receives c.
+static void solve( double m[MAX_TERMS][MAX_TERMS], double v[MAX_TERMS], int n )
+{
+    for ( int i = 0; i < n; ++i )
+    {
+        for ( int r = i + 1; r < n; ++r )
+        {
+            double factor = m[r][i] / m[i][i];
+            for ( int c = i; c < n; ++c )
+                m[r][c] -= factor * m[i][c];
+            v[r] -= factor * v[i];
+        }
+    }
+    for ( int i = n - 1; i >= 0; --i )
+    {
+        for ( int c = i + 1; c < n; ++c )
+            v[i] -= m[i][c] * v[c];
+        v[i] /= m[i][i];
+    }
+}
+
+static double noise_of( const Point* p, double first ) { return first * first / p->evidence; }
+
+// Weighted least squares; terms without data come out as 0.
+static void fit_terms( const Fit* fit, double noise, double terms[MAX_TERMS] )
+{
+    double m[MAX_TERMS][MAX_TERMS] = { { 0.0 } };
+    memset( terms, 0, MAX_TERMS * sizeof *terms );
+    for ( int k = 0; k < fit->terms; ++k )
+        m[k][k] = 1e-6;
+    for ( int i = 0; i < fit->count; ++i )
+    {
+        const Point* p = fit->points + i;
+        double weight = 1.0 / ( FIT_ERROR * FIT_ERROR + noise_of( p, noise ) );
+        for ( int r = 0; r < fit->terms; ++r )
+        {
+            for ( int c = 0; c < fit->terms; ++c )
+                m[r][c] += weight * p->terms[r] * p->terms[c];
+            terms[r] += weight * p->terms[r] * p->value;
+        }
+    }
+    solve( m, terms, fit->terms );
+}
+
+static double fitted( const Fit* fit, const double terms[MAX_TERMS], const Point* p )
+{
+    double sum = 0.0;
+    for ( int k = 0; k < fit->terms; ++k )
+        sum += terms[k] * p->terms[k];
+    return sum;
+}
+
+static void smooth_rows( RfTune* tune, bool time )
+{
+    Fit fit;
+    collect( tune, time, &fit );
+    int free_terms = fit.count - fit.terms;
+    if ( free_terms <= 0 ) // the fit would interpolate all of them
+        return;
+    double terms[MAX_TERMS], sum = 0.0;
+    fit_terms( &fit, FIRST_NOISE, terms );
+    for ( int i = 0; i < fit.count; ++i )
+    {
+        double away = fit.points[i].value - fitted( &fit, terms, fit.points + i );
+        sum += away * away * fit.points[i].evidence;
+    }
+    double noise = sqrt( sum / free_terms );
+    fit_terms( &fit, noise, terms );
+    for ( int i = 0; i < fit.count; ++i )
+    {
+        const Point* p = fit.points + i;
+        double by_noise = noise_of( p, noise ), away = fitted( &fit, terms, p ) - p->value;
+        double move = away * by_noise / ( by_noise + FIT_ERROR * FIT_ERROR );
+        *( time ? &tune->rows[p->row].log_time : &tune->rows[p->row].log_error ) = move;
+    }
+}
+
+void rf_smooth_tune_rows( RfTune* tune )
+{
+    for ( int i = 0; i < tune->count; ++i )
+        tune->rows[i].log_time = tune->rows[i].log_error = 0.0;
+    smooth_rows( tune, false );
+    smooth_rows( tune, true );
+}
 
 // Plans the rounds. Decisions depend on the arguments only, not on a clock.
 
@@ -28,7 +423,8 @@ int rf_tune_passes( int eyes, int passes )
     return eyes < REGION_FRAMES ? passes * ( ( REGION_FRAMES + eyes / 2 ) / eyes ) : passes;
 }
 
-int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
+// Frames that a test region has: it holds the groups of all candidates.
+static int tune_region_frames( const RfTune* tune, const bool* candidate )
 {
     int frames = REGION_FRAMES;
     for ( int i = 0; i < tune->count; ++i )
@@ -36,16 +432,20 @@ int rf_tune_region_frames( const RfTune* tune, const bool* candidate )
     return frames;
 }
 
-double rf_tune_row_samples( const RfTuneRow* row, int passes ) { return 2.0 * row->eyes * rf_tune_passes( row->eyes, passes ); }
+// Own-frame samples per pixel traced that a trial of the row takes.
+static double tune_row_samples( const RfTrialRow* row, int passes )
+{
+    return 2.0 * row->eyes * rf_tune_passes( row->eyes, passes );
+}
 
 double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTuneRound* round, double cost_second )
 {
     double cost = 0.0;
     for ( int i = 0; i < tune->count; ++i )
     {
-        const RfTuneRow* row = tune->rows + i;
+        const RfTrialRow* row = tune->rows + i;
         double sample = row->rounds > 0 ? rf_trial_sample_seconds( &row->trial ) : row->cost * cost_second;
-        cost += candidate[i] ? round->regions * round->pixels * rf_tune_row_samples( row, round->passes ) * sample : 0.0;
+        cost += candidate[i] ? round->regions * round->pixels * tune_row_samples( row, round->passes ) * sample : 0.0;
     }
     return cost;
 }
@@ -54,7 +454,7 @@ double rf_tune_round_cost( const RfTune* tune, const bool* candidate, const RfTu
 // the other half is for the renders.
 static double pixels_that_fit( const RfTune* tune, const bool* candidate, const RfTuneOutlook* o, int regions )
 {
-    int eyes = rf_tune_region_frames( tune, candidate );
+    int eyes = tune_region_frames( tune, candidate );
     double bytes = (double)rf_test_region_bytes( eyes, RF_CELL_PIXELS ) * regions +
                    (double)o->workers * (double)rf_trial_bytes( eyes, RF_CELL_PIXELS );
     return 0.5 * (double)o->memory / bytes * RF_CELL_PIXELS;
@@ -126,7 +526,7 @@ double rf_tune_position( int index )
 }
 
 // Is a row tried sooner than another? A deadline may leave out the last ones.
-static bool goes_before( const RfTuneRow* a, const RfTuneRow* b )
+static bool goes_before( const RfTrialRow* a, const RfTrialRow* b )
 {
     int rank[2] = { rf_is_plain_row( a ) ? 2 : a->usual, rf_is_plain_row( b ) ? 2 : b->usual };
     return rank[0] != rank[1] ? rank[0] > rank[1] : a->efficiency > b->efficiency;
@@ -158,7 +558,7 @@ static RfResult make_regions( Tuner* t, const RfTuneRound* round, int first, RfE
     RfTestSite* sites = calloc( (size_t)round->regions, sizeof *sites );
     if ( sites == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
-    int frames = rf_tune_region_frames( t->tune, t->candidate );
+    int frames = tune_region_frames( t->tune, t->candidate );
     for ( int i = 0; i < round->regions; ++i )
         sites[i] =
             ( RfTestSite ){ shot->frames[(int)( rf_tune_position( first + i ) * shot->frame_count )], frames, round->pixels };
@@ -171,7 +571,7 @@ static RfResult make_regions( Tuner* t, const RfTuneRound* round, int first, RfE
 // The candidates, those first that are to be tried first.
 static int order_candidates( const Tuner* t, int order[RF_TUNE_ROWS] )
 {
-    const RfTuneRow* rows = t->tune->rows;
+    const RfTrialRow* rows = t->tune->rows;
     int count = 0;
     for ( int i = 0; i < t->tune->count; ++i )
     {
@@ -191,17 +591,17 @@ static int take_trials( const RfTrialRuns* runs, const int* order, RfTune* tune 
     int complete = 0;
     for ( int s = 0; s < runs->region_count; ++s )
     {
-        const bool* here = runs->done + s * runs->row_count;
+        const bool* here = runs->done + s * runs->task_count;
         int done = 0;
-        for ( int k = 0; k < runs->row_count; ++k )
+        for ( int k = 0; k < runs->task_count; ++k )
             done += here[k];
-        if ( done < runs->row_count && ( done == 0 || tune->round_count > 0 || s > 0 ) )
+        if ( done < runs->task_count && ( done == 0 || tune->round_count > 0 || s > 0 ) )
             continue;
-        for ( int k = 0; k < runs->row_count; ++k )
+        for ( int k = 0; k < runs->task_count; ++k )
         {
             if ( !here[k] )
                 continue;
-            rf_add_trial( &tune->rows[order[k]].trial, runs->trials + s * runs->row_count + k );
+            rf_add_trial( &tune->rows[order[k]].trial, runs->trials + s * runs->task_count + k );
             tune->rows[order[k]].rounds += complete == 0;
         }
         complete += 1;
@@ -211,18 +611,18 @@ static int take_trials( const RfTrialRuns* runs, const int* order, RfTune* tune 
 
 static RfResult run_round( Tuner* t, const RfTuneRound* round, int* complete, RfError* error )
 {
-    RfTrialRow rows[RF_TUNE_ROWS];
+    RfTrialTask tasks[RF_TUNE_ROWS];
     int order[RF_TUNE_ROWS], count = order_candidates( t, order );
     for ( int k = 0; k < count; ++k )
     {
-        const RfTuneRow* row = t->tune->rows + order[k];
-        rows[k] = ( RfTrialRow ){ rf_tune_settings( row, &t->runs.pilot ), 1, rf_tune_passes( row->eyes, round->passes ) };
+        const RfTrialRow* row = t->tune->rows + order[k];
+        tasks[k] = ( RfTrialTask ){ rf_tune_settings( row, &t->runs.pilot ), 1, rf_tune_passes( row->eyes, round->passes ) };
     }
     *complete = 0;
     double start = rf_wall_seconds();
     RfResult result = make_regions( t, round, t->positions, error );
     if ( result == RF_OK )
-        result = rf_run_trials( &t->runs, rows, count, error );
+        result = rf_run_trials( &t->runs, tasks, count, error );
     if ( t->runs.done != NULL && ( result == RF_OK || result == RF_ERROR_INTERRUPTED ) )
         *complete = take_trials( &t->runs, order, t->tune );
     t->cpu += rf_trial_runs_seconds( &t->runs );
@@ -327,7 +727,7 @@ RfResult rf_tune( const RfTuneJob* job, RfTune* tune, RfError* error )
         t.candidate[i] = tune->rows[i].excluded == NULL;
     if ( result == RF_OK )
     {
-        t.common.threads = t.runs.workers = rf_tune_workers( job, tune, &t.common );
+        t.common.threads = t.runs.workers = tune_workers( job, tune, &t.common );
         t.runs.pilot = t.common;
         t.runs.pilot.threads = 1;
         t.runs.pilot.memory /= (size_t)t.common.threads;

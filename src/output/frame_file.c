@@ -3,15 +3,13 @@
 
 #include "base/file.h"
 #include "film/aov.h"
+#include "film/cryptomatte.h"
 #include "image/atomic_file.h"
 #include "image/colour.h"
 #include "image/exr.h"
-#include "output/matte_strings.h"
 #include "output/names.h"
-#include "output/pass_channels.h"
+#include "output/pass_names.h"
 #include "output/time_code.h"
-#include "reframe/output.h"
-#include "reframe/render.h"
 #include "render/groups.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
@@ -23,7 +21,151 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
+
+// A pass: some channels of the same pixels.
+typedef struct Pass
+{
+    const char* layer;   // its name, "depth"; NULL: the channels belong to the colour, as A does
+    const char* letters; // of its channels
+    const float* values; // as many floats a pixel as letters
+    bool half;           // 16 bits are enough in a file
+    bool zero[4];        // channels that are 0 whatever the values are
+} Pass;
+
+// The channels of all passes of a frame but R, G, B. The values stay the frame's.
+typedef struct PassChannels
+{
+    RfExrChannel channels[RF_EXR_MAX_CHANNELS];
+    char names[RF_EXR_MAX_CHANNELS][RF_PASS_CHANNEL_SIZE];
+    char parts[RF_EXR_MAX_CHANNELS][RF_PASS_CHANNEL_SIZE]; // the layers that they are channels of
+    int count;
+} PassChannels;
+
+static const float s_zero = 0.0f;
+
+static RfResult add_pass( const Pass* pass, const RfFrameFiles* files, PassChannels* list, RfError* error )
+{
+    int letters = (int)strlen( pass->letters );
+    for ( int c = 0; c < letters; ++c )
+    {
+        if ( list->count == RF_EXR_MAX_CHANNELS - 3 )
+            return rf_fail( error, RF_ERROR_USAGE, "a frame's file cannot have more than %d channels: ask for fewer passes",
+                            RF_EXR_MAX_CHANNELS );
+        RfPassChannel channel;
+        char *name = list->names[list->count], *part = list->parts[list->count];
+        if ( pass->layer != NULL && strlen( pass->layer ) > RF_PASS_MOST )
+            return rf_fail( error, RF_ERROR_USAGE, "the name of a pass is too long: '%.100s...': at most %d bytes", pass->layer,
+                            RF_PASS_MOST );
+        rf_name_pass_channel( files->names, pass->layer != NULL ? pass->layer : "alpha", pass->letters, c, &channel );
+        strcpy( name, channel.name );
+        strcpy( part, name );
+        if ( pass->layer != NULL )
+            *strrchr( part, '.' ) = '\0';
+        bool is_colour = strcmp( pass->letters, "RGB" ) == 0,
+             is_variance = pass->layer != NULL && strcmp( pass->layer, rf_aov_name( RF_AOV_VARIANCE ) ) == 0;
+        bool zero = pass->zero[channel.component % 4];
+        list->channels[list->count++] = ( RfExrChannel ){
+            .name = name,
+            .values = zero ? &s_zero : pass->values + channel.component,
+            .stride = zero ? 0 : letters,
+            .half = files->half && pass->half,
+            .negated = channel.negated && !zero,
+            .lossy = pass->half && is_colour,
+            .meaning = !is_colour    ? RF_EXR_DATA
+                       : is_variance ? RF_EXR_VARIANCE
+                                     : RF_EXR_COLOUR,
+            .component = channel.component,
+            .part = files->parts == RF_PARTS_EACH && pass->layer != NULL ? part : NULL,
+        };
+    }
+    return RF_OK;
+}
+
+// Lists them as `files` asks for. Motion to the frame before and to the frame after is 0 where `still`. Fails with
+// RF_ERROR_USAGE where there are more than a file can hold.
+static RfResult list_pass_channels( const RfFrameResult* frame, const RfFrameFiles* files, const bool still[2],
+                                    PassChannels* list, RfError* error )
+{
+    RfResult result = RF_OK;
+    list->count = 0;
+    for ( int i = 0; i < RF_AOV_COUNT && result == RF_OK; ++i )
+    {
+        Pass pass = {
+            .layer = i == RF_AOV_ALPHA ? NULL : rf_aov_name( (RfAov)i ),
+            .letters = rf_aov_letters( (RfAov)i ),
+            .values = frame->aovs[i],
+            .half = rf_aov_is_half( (RfAov)i ),
+        };
+        for ( int c = 0; c < 4; ++c ) // motion is x and y to the frame before, then to the frame after
+            pass.zero[c] = i == RF_AOV_MOTION && still[c / 2];
+        if ( pass.values != NULL )
+            result = add_pass( &pass, files, list, error );
+    }
+    for ( int i = 0; i < frame->layer_count && result == RF_OK; ++i )
+    {
+        const RfLayer* layer = frame->layers + i;
+        const Pass pass = { .layer = layer->name, .letters = layer->letters, .values = layer->values, .half = layer->half };
+        result = add_pass( &pass, files, list, error );
+    }
+    return result;
+}
+
+#define RF_MATTE_STRINGS ( 4 * RF_CRYPTOMATTE_KINDS )
+
+// cryptomatte/KEY/name, hash, conversion and manifest of each kind, KEY the first seven digits of the hash of its name.
+// The attributes by which compositors find a frame's Cryptomatte and the names in it (Cryptomatte Specification, "Metadata").
+
+typedef struct MatteStrings
+{
+    RfExrString strings[RF_MATTE_STRINGS];
+    int count;
+    char names[RF_MATTE_STRINGS][40];
+    char layers[RF_CRYPTOMATTE_KINDS][RF_PASS_CHANNEL_SIZE];
+    char* manifests[RF_CRYPTOMATTE_KINDS];
+} MatteStrings;
+
+static void add( MatteStrings* to, uint32_t key, const char* what, const char* value )
+{
+    char* name = to->names[to->count];
+    snprintf( name, sizeof to->names[0], "cryptomatte/%07x/%s", key, what );
+    to->strings[to->count++] = ( RfExrString ){ name, value };
+}
+
+static void free_matte_strings( MatteStrings* strings )
+{
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+    {
+        free( strings->manifests[k] );
+        strings->manifests[k] = NULL;
+    }
+}
+
+// Those of the kinds that the settings ask for, which point into `strings`.
+static RfResult make_matte_strings( const RfOutput* output, MatteStrings* strings, RfError* error )
+{
+    strings->count = 0;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+        strings->manifests[k] = NULL;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+    {
+        char* layer = strings->layers[k];
+        if ( ( output->settings.cryptomatte & 1u << k ) == 0 )
+            continue;
+        strings->manifests[k] = rf_cryptomatte_manifest( rf_tracer_scene( output->tracer ), k );
+        if ( strings->manifests[k] == NULL )
+        {
+            free_matte_strings( strings );
+            return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of Cryptomatte" );
+        }
+        rf_name_pass_layer( output->settings.files.names, g_rf_cryptomatte_kinds[k].name, layer );
+        uint32_t key = rf_murmur3_32( layer ) >> 4;
+        add( strings, key, "name", layer );
+        add( strings, key, "hash", "MurmurHash3_32" );
+        add( strings, key, "conversion", "uint32_to_float32" );
+        add( strings, key, "manifest", strings->manifests[k] );
+    }
+    return RF_OK;
+}
 
 #define MAX_NAME 4096
 
@@ -495,7 +637,7 @@ static int list_standard_attributes( const RfOutput* output, int frame, RfExrAtt
 }
 
 // How many pixels are beyond the range of the file's channels, and in which layers, by their names in the file.
-static void add_clipped( const RfImage* image, const RfExrOptions* exr, const RfPassChannels* passes, Attributes* a )
+static void add_clipped( const RfImage* image, const RfExrOptions* exr, const PassChannels* passes, Attributes* a )
 {
     bool clipped[RF_EXR_MAX_CHANNELS];
     size_t pixels = rf_count_clipped( image, exr, clipped ), used = 0;
@@ -531,15 +673,15 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     if ( result != RF_OK )
         return result;
     Attributes attributes;
-    RfPassChannels passes;
+    PassChannels passes;
     list_attributes( output, frame, &attributes );
     const bool still[2] = { has_same_eye( output->path, frame->frame, frame->frame - 1 ),
                             has_same_eye( output->path, frame->frame, frame->frame + 1 ) };
-    result = rf_list_pass_channels( frame, &output->settings.files, still, &passes, error );
+    result = list_pass_channels( frame, &output->settings.files, still, &passes, error );
     if ( result != RF_OK )
         return result;
-    RfMatteStrings mattes;
-    result = rf_make_matte_strings( output, &mattes, error );
+    MatteStrings mattes;
+    result = make_matte_strings( output, &mattes, error );
     if ( result != RF_OK )
         return result;
     for ( int i = 0; i < mattes.count; ++i )
@@ -573,6 +715,6 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.strings = attributes.strings;
     exr.string_count = attributes.count;
     result = rf_write_exr( name, &image, &exr, error );
-    rf_free_matte_strings( &mattes );
+    free_matte_strings( &mattes );
     return result;
 }

@@ -9,8 +9,6 @@
 
 #include "reframe/render_settings.h"
 
-#include <stdbool.h>
-
 #define RF_BLENDER_LAYER "ViewLayer" // Blender's own name for its first
 
 #define RF_PASS_CHANNEL_SIZE 256 // bytes of a channel's name; OpenEXR has names of up to 255

@@ -66,7 +66,6 @@ RfResult rf_parse_time_code( const char* text, RfFps fps, RfTimeCodeRate* rate, 
     return RF_OK;
 }
 
-// Two decimal digits.
 static uint32_t bcd( int64_t value ) { return (uint32_t)( value / 10 % 10 ) << 4 | (uint32_t)( value % 10 ); }
 
 uint32_t rf_pack_time_code( RfTimeCodeRate rate, int64_t frames )

@@ -5,9 +5,6 @@
 #include "reframe/error.h"
 #include "reframe/types.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
 // How frames are counted at a rate.
 typedef struct RfTimeCodeRate
 {

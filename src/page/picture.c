@@ -1,12 +1,11 @@
 // Encodes HDR pictures for the page: a coarse base of brightness, and the detail over it as a JPEG.
 #include "page/picture.h"
 
+#include "image/decode.h"
+#include "image/half.h"
 #include "image/jpeg.h"
-#include "reframe/image.h"
 
 #include <math.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,10 +55,7 @@ RfLookRange rf_look_range( RfLook look, const float* values, size_t stride, size
 static void fill_light( float light[LEVELS + 1] )
 {
     for ( int i = 0; i <= LEVELS; ++i )
-    {
-        float level = (float)i / LEVELS;
-        light[i] = level <= 0.04045f ? level / 12.92f : powf( ( level + 0.055f ) / 1.055f, 2.4f );
-    }
+        light[i] = rf_srgb_to_linear( (float)i / LEVELS );
 }
 
 // NaN is kept, so that it shows.
@@ -368,4 +364,48 @@ RfResult rf_shrink_image( const RfImage* image, int factor, RfImage* small, RfEr
         }
     }
     return RF_OK;
+}
+
+static int divide_up( int a, int b ) { return ( a + b - 1 ) / b; }
+
+double rf_values_page_bytes( int width, int height, int factor )
+{
+    double bytes = RF_VALUES_HEADER_BYTES + 6.0 * divide_up( width, factor ) * divide_up( height, factor );
+    return 4.0 * ceil( bytes / 3.0 );
+}
+
+int rf_values_factor( int width, int height, double most )
+{
+    for ( int factor = 1; factor <= RF_VALUES_MAX_FACTOR; ++factor )
+    {
+        if ( rf_values_page_bytes( width, height, factor ) <= most )
+            return factor;
+    }
+    return 0;
+}
+
+RfResult rf_encode_values( const RfImage* image, int factor, const char* name, unsigned char** bytes, size_t* size,
+                           RfError* error )
+{
+    *bytes = NULL;
+    *size = 0;
+    RfImage small = { 0 };
+    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
+    if ( result != RF_OK )
+        return result;
+    const RfImage* from = factor > 1 ? &small : image;
+    size_t count = 3 * (size_t)from->width * (size_t)from->height;
+    *bytes = malloc( RF_VALUES_HEADER_BYTES + 2 * count );
+    if ( *bytes != NULL )
+    {
+        unsigned char* out = put16( *bytes, factor );
+        out = put16( put16( out, from->width ), from->height );
+        for ( size_t i = 0; i < count; ++i )
+            out = put16( out, rf_float_to_half( rf_clamp_half( from->rgb[i] ) ) );
+        *size = (size_t)( out - *bytes );
+    }
+    else
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its values", name );
+    rf_destroy_image( &small );
+    return result;
 }

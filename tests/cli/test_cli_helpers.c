@@ -5,8 +5,8 @@
 #include "cli/options/frame_lists.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_files.h"
-#include "cli/render/specks_json.h"
-#include "cli/tune/verdict.h"
+#include "cli/render/render_json.h"
+#include "cli/tune/trial_command.h"
 #include "scene/pinhole.h"
 
 #include <unistd.h>

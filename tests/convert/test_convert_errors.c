@@ -5,7 +5,7 @@
 #include "support/test.h"
 
 #include "convert/glb_write.h"
-#include "convert/run_importer.h"
+#include "convert/convert.h"
 
 #include <errno.h>
 #include <poll.h>

@@ -3,7 +3,7 @@
 
 #include "image/decode_formats.h"
 #include "image/exr.h"
-#include "page/matte_names.h"
+#include "page/pass_groups.h"
 
 #include <stdlib.h>
 

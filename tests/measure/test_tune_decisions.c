@@ -20,7 +20,7 @@ TEST( test_every_setting_is_a_row )
         assert_true( tune_rows_tried( &tune ) >= RF_TUNE_TILES * ( paths[i][0] > 1 ? 2 : 1 ) );
         for ( int r = 0; r < tune.count; ++r )
         {
-            const RfTuneRow* row = tune.rows + r;
+            const RfTrialRow* row = tune.rows + r;
             RfRenderSettings settings = rf_tune_settings( row, &common ), used;
             assert_int_equal(
                 rf_resolve_settings( &( RfShot ){ s.tracer, s.eyes, paths[i][0], NULL, 0 }, &settings, &used, &error ), RF_OK );
@@ -85,7 +85,7 @@ static RfTune made_tune( int count )
     RfTune tune = { .count = count, .chosen = -1, .round_count = 1 };
     for ( int i = 0; i < count; ++i )
     {
-        tune.rows[i] = ( RfTuneRow ){
+        tune.rows[i] = ( RfTrialRow ){
             .group = i, .eyes = 2 * i + 1, .spp = 10, .fit = { .threads = 2 }, .samples = 1e6, .cost = 500.0, .rounds = 1
         };
         tune.rows[i].trial = made_trial( 1.0, 1e-6 * ( i + 1 ) );
@@ -102,7 +102,7 @@ TEST( test_most_efficient_row_is_chosen )
     assert_int_equal( tune.chosen, 3 );
     assert_true( tune.rows[3].chosen && !tune.rows[0].chosen );
     assert_true( tune.rows[1].efficiency == tune.rows[2].efficiency && tune.rows[1].relmse == tune.rows[2].relmse );
-    const RfTuneRow* first = tune.rows;
+    const RfTrialRow* first = tune.rows;
     assert_true( fabs( first->cpu_seconds - 1.0 ) < 1e-9 && fabs( first->seconds - 0.5 ) < 1e-9 &&
                  fabs( first->relmse - 0.1 ) < 1e-12 );
     assert_true( fabs( first->efficiency - 100.0 ) < 1e-6 && first->gain.value == 1.0 ); // 10 frames / ( 0.1 · 1 s )
@@ -131,7 +131,7 @@ TEST( test_least_flicker_is_chosen )
     tune.goal = RF_TUNE_FLICKER;
     rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, 1 );
-    const RfTuneRow *first = tune.rows, *best = tune.rows + 1;
+    const RfTrialRow *first = tune.rows, *best = tune.rows + 1;
     assert_true( fabs( first->efficiency - 10.0 / ( first->f1 * first->f1 * first->cpu_seconds ) ) < 1e-6 * first->efficiency );
     assert_true( fabs( best->gain.value - 2.5 ) < 1e-9 && isnan( best->gain.low ) );
     assert_true( first->relmse == 0.1 && best->f1 < first->f1 );
@@ -150,9 +150,9 @@ TEST( test_smoothing_follows_the_model )
         {
             for ( int i = 0; i < 9; ++i )
             {
-                RfTuneRow* row = tune.rows + tune.count++;
+                RfTrialRow* row = tune.rows + tune.count++;
                 double x = log( eyes[i] ), odd = 0.02 * ( ( 7 * i + 3 * tile ) % 5 - 2 );
-                *row = ( RfTuneRow ){
+                *row = ( RfTrialRow ){
                     .group = eyes[i] / 2, .eyes = eyes[i], .tile = { RF_TILE_BLOCK, tile + 1, 1 }, .spp = 10, .rounds = 1
                 };
                 row->trial = made_trial( exp( -x + 0.1 * x * x - 0.3 * tile - 0.02 * tile * x + odd ),
@@ -163,7 +163,7 @@ TEST( test_smoothing_follows_the_model )
         rf_smooth_tune_rows( &clean );
         for ( int i = 0; i < clean.count; ++i )
             assert_true( fabs( clean.rows[i].log_error ) < 0.05 && fabs( clean.rows[i].log_time ) < 1e-4 );
-        RfTuneRow* off = tune.rows + 21; // 3 frames, the third tile
+        RfTrialRow* off = tune.rows + 21; // 3 frames, the third tile
         off->trial.relmse *= exp( 1.0 );
         RfTrial once = off->trial;
         for ( int k = 1; k < evidence; ++k )
@@ -212,7 +212,7 @@ TEST( test_cutting_keeps_the_most_efficient )
     assert_true( candidate[1] && candidate[2] && candidate[5] );
     tune.round_count = 1;
     // path tracing stays, since the others are compared with it
-    tune.rows[0] = ( RfTuneRow ){ .tile = { RF_TILE_NONE, 1, 1 }, .efficiency = 1.0 };
+    tune.rows[0] = ( RfTrialRow ){ .tile = { RF_TILE_NONE, 1, 1 }, .efficiency = 1.0 };
     candidate[0] = true;
     assert_int_equal( cut( &tune, 1, candidate ), 2 );
     assert_true( candidate[0] && candidate[1] );

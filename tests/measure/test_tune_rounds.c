@@ -23,7 +23,7 @@ TEST( test_first_round_is_repeatable )
     assert_true( one.rounds[0].pixels == TUNE_WIDTH * TUNE_HEIGHT && one.rounds[0].regions == 1 );
     for ( int r = 0; r < one.count; ++r )
     {
-        const RfTuneRow *a = one.rows + r, *b = other.rows + r;
+        const RfTrialRow *a = one.rows + r, *b = other.rows + r;
         assert_true( a->rounds == 1 && a->trial.groups >= 1 && a->relmse > 0.0 && a->f1 > 0.0 && a->efficiency > 0.0 &&
                      a->gain.value > 0.0 );
         assert_true( a->trial.relmse == b->trial.relmse && a->trial.change == b->trial.change &&

@@ -1,6 +1,6 @@
 // Pixels that stand out from the noise are told apart: glints of a lamp on beads smaller than a pixel, and light of a small
 // lamp that a metal plate throws on the walls, which paths find by chance.
-#include "cli/render/specks_json.h"
+#include "cli/render/render_json.h"
 #include "support/render_support.h"
 #include "support/test.h"
 

@@ -3,7 +3,7 @@
 #define REFRAME_TESTS_RENDER_SUPPORT_H
 
 #include "light_paths/light_paths.h"
-#include "measure/tune_rows.h"
+#include "measure/tune.h"
 #include "path/wavefront.h"
 #include "reframe/render.h"
 #include "support/scene_builder.h"

@@ -10,16 +10,11 @@
 #include "cli/render/progress.h"
 #include "image/sequence.h"
 #include "measure/image_error.h"
-#include "measure/sequences.h"
 #include "output/frame_file.h"
 #include "page/pass_groups.h"
 #include "reframe/effects.h"
-#include "reframe/image.h"
-#include "reframe/measure.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -65,17 +60,14 @@ static void set_metrics( json_t* object, const RfErrorMetrics* m )
 {
     RF_SET_FIGURES( object, { "relmse", m->relmse }, { "relmse_trimmed", m->relmse_trimmed }, { "mse", m->mse },
                     { "bias", m->bias }, { "bias_low", m->bias_low }, { "bias_high", m->bias_high }, { "max", m->max } );
-    json_object_set_new( object, "nan", json_integer( (json_int_t)m->nan ) );
-    json_object_set_new( object, "inf", json_integer( (json_int_t)m->inf ) );
-    json_object_set_new( object, "reference_nan", json_integer( (json_int_t)m->reference_nan ) );
-    json_object_set_new( object, "reference_inf", json_integer( (json_int_t)m->reference_inf ) );
-    json_object_set_new( object, "reference_mean", rf_json_number( m->reference_mean ) );
+    rf_json_add( object, "{s:I, s:I, s:I, s:I, s:o}", "nan", (json_int_t)m->nan, "inf", (json_int_t)m->inf, "reference_nan",
+                 (json_int_t)m->reference_nan, "reference_inf", (json_int_t)m->reference_inf, "reference_mean",
+                 rf_json_number( m->reference_mean ) );
 }
 
 static void set_clipped( json_t* object, const size_t clipped[2] )
 {
-    json_object_set_new( object, "clipped", json_integer( (json_int_t)clipped[0] ) );
-    json_object_set_new( object, "reference_clipped", json_integer( (json_int_t)clipped[1] ) );
+    rf_json_add( object, "{s:I, s:I}", "clipped", (json_int_t)clipped[0], "reference_clipped", (json_int_t)clipped[1] );
 }
 
 static json_t* worst_json( int frame, const RfWorstPixel* worst )
@@ -83,27 +75,6 @@ static json_t* worst_json( int frame, const RfWorstPixel* worst )
     return worst->frame < 0 ? json_null()
                             : json_pack( "{s:i, s:i, s:i, s:o}", "frame", frame, "x", worst->x, "y", worst->y, "relative",
                                          rf_json_number( worst->relative ) );
-}
-
-// One element of "frames".
-static json_t* error_frame_json( int frame, const RfErrorMetrics* metrics )
-{
-    json_t* row = json_object();
-    json_object_set_new( row, "frame", json_integer( frame ) );
-    set_metrics( row, metrics );
-    json_object_set_new( row, "worst", worst_json( frame, &metrics->worst ) );
-    return row;
-}
-
-// The complete JSON; takes ownership of `rows`. `worst_frame` is the number of the frame with the worst pixel.
-static json_t* error_json( json_t* rows, const RfErrorMetrics* metrics, int worst_frame, const char* verdict )
-{
-    json_t* object = json_object();
-    json_object_set_new( object, "frames", rows );
-    set_metrics( object, metrics );
-    json_object_set_new( object, "worst", worst_json( worst_frame, &metrics->worst ) );
-    json_object_set_new( object, "verdict", rf_json_text( verdict ) );
-    return object;
 }
 
 // In percent of the reference's brightness, where it has one. Clipped pixels lack light, so their bias is not that of the renders.
@@ -182,9 +153,9 @@ static void print_missing( const CompareFrames* frames )
 static void set_missing( json_t* json, const CompareFrames* frames )
 {
     const RfFramePairs* pairs = &frames->pairs;
-    json_object_set_new( json, "missing", rf_json_frames( frames->missing, frames->missing_count ) );
-    json_object_set_new( json, "missing_a", rf_json_frames( pairs->lacking[0], pairs->lacking_count[0] ) );
-    json_object_set_new( json, "missing_b", rf_json_frames( pairs->lacking[1], pairs->lacking_count[1] ) );
+    rf_json_add( json, "{s:o, s:o, s:o}", "missing", rf_json_frames( frames->missing, frames->missing_count ), "missing_a",
+                 rf_json_frames( pairs->lacking[0], pairs->lacking_count[0] ), "missing_b",
+                 rf_json_frames( pairs->lacking[1], pairs->lacking_count[1] ) );
 }
 
 // Of the sequence that has a frame which both are to have, but for folders, whose common frames are measured.
@@ -243,7 +214,6 @@ static int frame_number( const CompareFrames* frames, int i ) { return frames->p
 static int at_least( int a, int b ) { return a > b ? a : b; }
 static int at_most( int a, int b ) { return a < b ? a : b; }
 
-// Crops an image in place.
 static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to )
 {
     for ( int y = 0; y < to->height; ++y )
@@ -255,7 +225,6 @@ static void crop( RfImage* image, const RfExrWindow* from, const RfExrWindow* to
     image->height = to->height;
 }
 
-// Aligns two images by their data windows.
 static RfResult align( bool overlap, ComparePair* pair, const RfExrWindow windows[2], RfError* error )
 {
     const RfExrWindow *a = windows, *b = windows + 1;
@@ -333,7 +302,6 @@ typedef struct Compare
     bool quiet;
     bool table; // the table goes to standard output
     RfErrorSummary all;
-    bool has_all;       // `all` has been created, for the first frame's size
     RfWorstPixel worst; // of all frames so far, where the files have it
     size_t clipped[2];  // pixels of A and B, over all frames
     json_t* rows;
@@ -437,14 +405,7 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
 {
     RfErrorMetrics metrics;
     const RfImage *image = pair->images, *reference = pair->images + 1;
-    RfResult result = rf_measure_error( image, reference, &metrics, error );
-    if ( result == RF_OK && !compare->has_all )
-    {
-        result = rf_create_summary( image->width, image->height, compare->in.count, &compare->all, error );
-        compare->has_all = result == RF_OK;
-    }
-    if ( result == RF_OK )
-        result = rf_summary_add( &compare->all, image, reference, error );
+    RfResult result = rf_measure_frame( &compare->all, compare->in.count, image, reference, &metrics, error );
     if ( result != RF_OK )
     {
         char reason[512];
@@ -458,7 +419,9 @@ static RfResult measure( Compare* compare, int frame, const ComparePair* pair, R
         print_error_head();
     if ( compare->table )
         print_error_row( number, &metrics );
-    json_t* row = error_frame_json( frame, &metrics );
+    json_t* row = json_pack( "{s:i}", "frame", frame );
+    set_metrics( row, &metrics );
+    rf_json_add( row, "{s:o}", "worst", worst_json( frame, &metrics.worst ) );
     set_clipped( row, pair->clipped );
     json_array_append_new( compare->rows, row );
     for ( int i = 0; i < 2; ++i )
@@ -513,7 +476,9 @@ static RfResult finish( Compare* compare, RfError* error )
     RfResult result = RF_OK;
     if ( compare->json != NULL )
     {
-        json_t* json = error_json( json_incref( compare->rows ), &metrics, worst, verdict );
+        json_t* json = json_pack( "{s:O}", "frames", compare->rows );
+        set_metrics( json, &metrics );
+        rf_json_add( json, "{s:o, s:o}", "worst", worst_json( worst, &metrics.worst ), "verdict", rf_json_text( verdict ) );
         set_missing( json, &compare->in );
         set_clipped( json, compare->clipped );
         result = rf_write_json( compare->json, json, error );
@@ -543,8 +508,7 @@ static RfResult run( void* user, RfError* error )
     if ( result == RF_OK )
         result = finish( compare, error );
     json_decref( compare->rows );
-    if ( compare->has_all )
-        rf_destroy_summary( &compare->all );
+    rf_destroy_summary( &compare->all );
     return result;
 }
 

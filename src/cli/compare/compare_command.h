@@ -5,7 +5,6 @@
 #include "reframe/image.h"
 #include "reframe/measure.h"
 
-#include <stdbool.h>
 #include <jansson.h>
 
 // The verdict in words: "no significant bias: mean error +0.02 % (95 %: -0.30 to +0.40 %);

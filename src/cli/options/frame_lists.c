@@ -2,21 +2,13 @@
 #include "cli/options/frame_lists.h"
 
 #include "base/words.h"
-#include "cli/messages.h"
-#include "cli/options/file_options.h"
+#include "cli/options/render_options.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
-#include "reframe/camera.h"
-#include "reframe/error.h"
-#include "reframe/plan.h"
-#include "scene_file/scene_file.h"
 
 #include <ctype.h>
 #include <dirent.h>
 #include <errno.h>
-#include <jansson.h>
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -230,12 +222,6 @@ RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size
     return result;
 }
 
-typedef struct Range
-{
-    bool is_own;            // written with '@': numbers as the path has them
-    long first, last, step; // as written: else negative from the end
-} Range;
-
 // Parses a whole number with an optional minus sign and advances *text past it.
 static bool take_number( const char** text, long* number )
 {
@@ -249,15 +235,14 @@ static bool take_number( const char** text, long* number )
     return errno == 0;
 }
 
-// Parses "A", "A-B" or either with '@' before it or "xSTEP" behind it, up to a comma or the end.
-static bool take_range( const char** text, Range* range )
+bool rf_take_frame_range( const char** text, long step, RfFrameRange* range )
 {
     range->is_own = **text == '@';
     *text += range->is_own;
     if ( !take_number( text, &range->first ) )
         return false;
     range->last = range->first;
-    range->step = 1;
+    range->step = step;
     if ( **text == '-' )
     {
         ++*text;
@@ -306,7 +291,7 @@ static RfResult resolve( long written, bool is_own, const Numbers* numbers, long
     return inside && counted ? RF_OK : fail_missing( written, is_own, numbers, error );
 }
 
-static RfResult mark_range( Range range, const Numbers* numbers, bool* wanted, RfError* error )
+static RfResult mark_range( RfFrameRange range, const Numbers* numbers, bool* wanted, RfError* error )
 {
     long first, last;
     RfResult result = resolve( range.first, range.is_own, numbers, &first, error );
@@ -339,8 +324,8 @@ static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted
     }
     for ( const char* next = text;; ++next )
     {
-        Range range;
-        if ( !take_range( &next, &range ) )
+        RfFrameRange range;
+        if ( !rf_take_frame_range( &next, 1, &range ) )
             return rf_fail(
                 error, RF_ERROR_USAGE,
                 "--frames: expected frames such as 7, 1-48, 1-48x2, -5--1 (the last five) or @-5--1 (by their numbers) "

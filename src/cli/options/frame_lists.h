@@ -7,8 +7,6 @@
 #include "reframe/plan.h"
 #include "scene_file/scene_file.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <jansson.h>
 
 // Lists of frames: "A", "A-B", "A-BxSTEP", with commas between them. Negative numbers count from the end, "-5--1", unless the
@@ -22,6 +20,16 @@ RfResult rf_parse_frames( const char* text, const int* there, int there_count, i
 // from the scene file; in the latter case errors name the file. Of a path in steps, A-B are the frames in between.
 RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
                            RfError* error );
+
+// "A" or "A-B", with '@' before it or "xSTEP" behind it.
+typedef struct RfFrameRange
+{
+    bool is_own;            // written with '@': numbers as the path has them
+    long first, last, step; // as written: else negative from the end
+} RfFrameRange;
+
+// Parses a range up to a comma or the end, and advances *text to there. `step`: where none is written. False: it is none.
+bool rf_take_frame_range( const char** text, long step, RfFrameRange* range );
 
 // What a command reads frame by frame: a file, a sequence named with ####, or the folder of one.
 

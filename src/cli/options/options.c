@@ -1,22 +1,14 @@
 // Parses arguments by a table of options, and prints the help from it.
 #include "cli/options/options.h"
 
-#include "base/words.h"
 #include "cli/messages.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
-#include "reframe/error.h"
-#include "reframe/types.h"
 #include "scene/scene.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <limits.h>
 #include <math.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -447,7 +439,6 @@ static const struct
     [RF_OPTION_BOOL] = { sizeof( bool ), parse_nothing, "no value" },
 };
 
-// Is the text one of the option's choices?
 static bool is_choice( const RfOption* option, const char* text )
 {
     int unused;

@@ -1,13 +1,9 @@
-// A declarative table of a command's options, from which arguments are parsed
-// and the help is printed, so that the two cannot disagree.
+// A declarative table of a command's options, from which arguments are parsed and the help is printed.
 //
-// `--name value` and `--name=value` in any order, mixed with files; booleans
-// are `--name` and `--no-name`, and some choices have these forms too; `--` ends the options. Of an option that is given twice, the
-// last holds, as a whole where it is a list. Nothing is guessed or
-// clamped: what is unknown, of the wrong type, out of range, missing
-// or too much is one error line, RF_ERROR_USAGE, that starts with the
-// option ("--spp: expected a whole number from 1 to 1048576, got '0'"); the
-// command puts "reframe render: " in front.
+// `--name value` and `--name=value` in any order, mixed with files; booleans are `--name` and `--no-name`, and some choices have these
+// forms too; `--` ends the options. Of an option that is given twice, the last holds, as a whole where it is a list. What is unknown, of
+// the wrong type, out of range, missing or too much is one error line, RF_ERROR_USAGE, that starts with the option
+// ("--spp: expected a whole number from 1 to 1048576, got '0'").
 #ifndef REFRAME_CLI_OPTIONS_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_OPTIONS_H
 
@@ -15,9 +11,6 @@
 #include "reframe/types.h"
 #include "base/words.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 
 typedef enum RfOptionType
@@ -69,7 +62,7 @@ typedef struct RfOption
     const char* default_text;   // in the help instead of the value's default, for which "%s" may stand in it; NULL: that value
     const char* help;           // one line
     bool* given;                // set where the option was given; or NULL
-    bool in_file;               // a scene file may give it too, see file_options.h
+    bool in_file;               // a scene file may give it too (rf_take_file_options)
     bool reads;                 // STRING: it names a file, or may, that is read
     const char* writes;         // STRING: it names a file that is written, with this ending (".json"), tried before the command
                                 // runs; "": the command tries it, and checks its ending; NULL: none
@@ -132,10 +125,8 @@ typedef struct RfCommandTable
 // tried: its folder is made where it is missing (the last part only), RF_ERROR_IO where it cannot be written.
 RfResult rf_parse_options( const RfCommandTable* table, int argc, char** argv, const char** files, bool* help, RfError* error );
 
-// Prints the help of a command. The values must be the defaults.
+// Prints the help of a command; the second on standard output. The values must be the defaults.
 void rf_print_help( const RfCommandTable* table, FILE* file );
-
-// The same on standard output: what a command does for --help.
 RfResult rf_show_help( const RfCommandTable* table, RfError* error );
 
 // Runs a command: parses its arguments into the options and `files`, and calls `run`, or prints the help. Reports an error, and
@@ -177,9 +168,7 @@ bool rf_parse_noise( const char* text, double* relmse, const char** rest );
 // Parses a whole number from min to max, with nothing before or after it; false otherwise.
 bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
 
-// What other programs call our commands and options.
-
-// The first of our words for `word` that is among `words`, or NULL.
+// The first of our words for what other programs call a command or an option that is among `words`, or NULL.
 const char* rf_find_synonym( const char* word, const char* const* words, int count );
 
 #endif

@@ -2,6 +2,7 @@
 #ifndef REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 #define REFRAME_CLI_OPTIONS_RENDER_OPTIONS_H
 
+#include "base/json.h"
 #include "cli/options/options.h"
 #include "reframe/camera.h"
 #include "reframe/effects.h"
@@ -111,5 +112,23 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 
 // The option that decides on an effect, such as "--aov albedo"; NULL where the scene or the camera does.
 const char* rf_effect_option( RfEffectId effect );
+
+// Warns where max_depth takes light, and says its share; 0 without a limit.
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error );
+
+// The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
+// caller frees them; NULL where memory ran out.
+int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
+
+// Stores the members of the object in the values of the table's options. A key is
+// the name of an option that a file may give (`in_file`), with '_' for '-'. Numbers
+// and booleans are those of JSON, also for choices that can be given as --name and --no-name; a size is an array of two numbers, fps a number or
+// "24000/1001", all else a string. Ranges are those of the command line; errors name
+// the JSON path. Strings point into the JSON.
+RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object );
+
+// Rewrites the error of an option ("--frames: there is no frame 9") as one of the
+// scene file ("scene.json: render.frames: there is no frame 9").
+RfResult rf_fail_file_option( const RfField* field, const RfError* error );
 
 #endif

@@ -105,10 +105,7 @@ RfResult rf_end_films_file( RfFilmsWriter* writer, RfError* error )
         return result;
     writer->open = false;
     result = rf_append_atomic_file( &writer->file, &trailer, sizeof trailer, error );
-    if ( result == RF_OK )
-        return rf_commit_atomic_file( &writer->file, error );
-    rf_discard_atomic_file( &writer->file );
-    return result;
+    return rf_end_atomic_file( &writer->file, result, error );
 }
 
 // Is it a file of this kind, with the bytes that were written? It is then at its begin.

@@ -6,7 +6,6 @@
 #include "image/atomic_file.h"
 #include "reframe/output.h"
 
-#include <stdint.h>
 #include <stdio.h>
 
 #define RF_FILMS_NAME_SIZE 4096

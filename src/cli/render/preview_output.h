@@ -2,14 +2,35 @@
 #ifndef REFRAME_CLI_RENDER_PREVIEW_OUTPUT_H
 #define REFRAME_CLI_RENDER_PREVIEW_OUTPUT_H
 
-#include "cli/render/http_server.h"
 #include "page/picture.h"
 #include "reframe/image.h"
 #include "reframe/output.h"
 
 #include <jansson.h>
 #include <pthread.h>
-#include <stdbool.h>
+
+// A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Connections
+// that send nothing hold nobody up.
+
+typedef struct RfHttpReply
+{
+    const char* type;     // "text/html"
+    const char* parts[8]; // texts and bytes, in turn; as many as have a size
+    size_t sizes[8];
+    void* owned; // freed when it is sent; or NULL
+    bool stays;  // the browser may keep it
+} RfHttpReply;
+
+// Fills the reply to a path such as "/status"; false: there is no such thing. Called by the server's thread.
+typedef bool RfHttpAnswer( void* user, const char* path, RfHttpReply* reply );
+
+typedef struct RfHttpServer
+{
+    int port;
+    RfHttpAnswer* answer;
+    void* user;
+    struct MHD_Daemon* daemon;
+} RfHttpServer;
 
 typedef struct RfLivePreview
 {

@@ -2,7 +2,7 @@
 #include "cli/render/progress.h"
 
 #include "cli/messages.h"
-#include "cli/render/specks_json.h"
+#include "cli/render/render_json.h"
 
 #include <math.h>
 #include <stdio.h>

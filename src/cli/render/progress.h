@@ -5,8 +5,6 @@
 
 #include "reframe/render.h"
 
-#include <stdbool.h>
-
 typedef struct RfProgressLine
 {
     bool quiet;

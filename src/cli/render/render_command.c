@@ -3,23 +3,11 @@
 
 #include "base/system.h"
 #include "cli/commands.h"
-#include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/render_options.h"
-#include "cli/options/shot.h"
-#include "cli/render/changes_json.h"
-#include "cli/render/clipped_pixels.h"
-#include "cli/render/progress.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
-#include "cli/render/specks_json.h"
 #include "cli/signals.h"
 #include "film/cryptomatte.h"
-#include "reframe/camera.h"
-#include "reframe/effects.h"
-#include "reframe/output.h"
-#include "reframe/plan.h"
-#include "reframe/render.h"
 #include "render/estimator.h"
 #include "render/settings.h"
 #include "scene/placement.h"
@@ -27,9 +15,7 @@
 #include "scene_file/scene_file.h"
 #include "trace/trace.h"
 
-#include <jansson.h>
 #include <math.h>
-#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +30,6 @@ static void note_solve( RfFrameErrors* errors, RfSolved solved, int number )
         errors->first_not_solved = number;
 }
 
-// Adds a finished frame of this number.
 static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result, int number )
 {
     ++errors->frames;
@@ -167,7 +152,6 @@ static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* pat
     }
 }
 
-// A picture that will be black or empty.
 static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
 {
     if ( rf_triangle_count( scene ) == 0 )
@@ -668,27 +652,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
 static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* error )
 {
     const RfRenderOptions* options = &job->options;
-    RfRenderRun run = { .stats = &job->stats,
-                        .seconds = rf_wall_seconds() - job->start,
-                        .seconds_scene = job->seconds_scene,
-                        .frames =
-                            rf_join_kept_frames( options, &job->scene, &job->path, job->kept, job->kept_count, job->frames_json ),
-                        .kept = job->kept_count,
-                        .warnings = job->reported.lines,
-                        .repeated = job->frame_count - job->run_count,
-                        .effects = job->effects,
-                        .effect_count = job->effect_count,
-                        .beyond_depth = job->output.beyond_depth,
-                        .interrupted = interrupted };
-    json_t* json = rf_render_json( options, &run );
-    const RfScene* scene = &job->scene;
-    json_object_set_new( json, "export_losses",
-                         rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ) );
-    json_object_set_new( json, "export_warnings",
-                         rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ) );
-    json_object_set_new(
-        json, "halo",
-        json_pack( "{s:f, s:i, s:f}", "share", job->halo.share, "group", job->halo.group, "saved", job->halo.saved ) );
+    json_t* json = rf_render_json( job, rf_join_kept_frames( job ), interrupted );
     if ( job->scene.movement != NULL )
         rf_add_changes( &job->scene, interrupted ? NULL : job->tracer, options, json, NULL );
     return rf_write_json( options->json, json, error );

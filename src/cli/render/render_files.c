@@ -4,19 +4,14 @@
 #include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/render_options.h"
-#include "cli/render/clipped_pixels.h"
-#include "cli/render/render_command.h"
 #include "cli/render/render_json.h"
 #include "cli/report/report_input.h"
 #include "cli/signals.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
 #include "reframe/image.h"
-#include "reframe/output.h"
 #include "trace/trace.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -229,12 +224,11 @@ static const json_t* older_row( Older* older, const RfFrameResult* said, int num
     return is_it ? row : NULL;
 }
 
-static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, int frame,
-                                Older* older )
+static json_t* kept_frame_json( const RfRenderJob* job, int frame, Older* older )
 {
     char name[RF_FILE_NAME_SIZE] = "", text[8];
-    int number = rf_frame_number( path, frame );
-    rf_sequence_name( options->output, number, name, sizeof name, NULL );
+    int number = rf_frame_number( &job->path, frame );
+    rf_sequence_name( job->options.output, number, name, sizeof name, NULL );
     RfFrameResult said = {
         .frame = frame,
         .relmse_is_lower_bound = rf_read_exr_string( name, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK,
@@ -255,27 +249,26 @@ static json_t* kept_frame_json( const RfRenderOptions* options, const RfScene* s
     said.removes = isfinite( said.removed );
     const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );
     said.seconds = rf_json_number_of( row, "seconds" );
-    json_t* json = rf_frame_json( &said, scene, path, &options->settings, -1 );
+    json_t* json = rf_frame_json( &said, &job->scene, &job->path, &job->options.settings, -1 );
     json_object_set_new( json, "specks", specks != NULL ? json_deep_copy( specks ) : json_null() );
     json_object_set_new( json, "kept", json_true() );
-    rf_add_clipped( options->output, number, json );
+    rf_add_clipped( job->options.output, number, json );
     return json;
 }
 
-json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, const int* kept,
-                             int count, json_t* rendered )
+json_t* rf_join_kept_frames( const RfRenderJob* job )
 {
-    json_t* frames = json_array();
+    json_t *frames = json_array(), *rendered = job->frames_json;
     Older older = { 0 };
     size_t next = 0, all = json_array_size( rendered );
-    if ( count > 0 && rf_load_render_json( options->json, "--json", &older.json, NULL ) == RF_OK )
+    if ( job->kept_count > 0 && rf_load_render_json( job->options.json, "--json", &older.json, NULL ) == RF_OK )
         older.frames = json_object_get( older.json, "frames" );
-    for ( int i = 0; i < count; ++i )
+    for ( int i = 0; i < job->kept_count; ++i )
     {
-        while ( next < all &&
-                isless( rf_json_number_of( json_array_get( rendered, next ), "frame" ), rf_frame_number( path, kept[i] ) ) )
+        int number = rf_frame_number( &job->path, job->kept[i] );
+        while ( next < all && isless( rf_json_number_of( json_array_get( rendered, next ), "frame" ), number ) )
             json_array_append( frames, json_array_get( rendered, next++ ) );
-        json_array_append_new( frames, kept_frame_json( options, scene, path, kept[i], &older ) );
+        json_array_append_new( frames, kept_frame_json( job, job->kept[i], &older ) );
     }
     while ( next < all )
         json_array_append( frames, json_array_get( rendered, next++ ) );

@@ -30,8 +30,7 @@ RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLo
 // `count` kept frames (indices from 0). Figures of a kept frame come from its header, its seconds and specks
 // from the older JSON at options->json where that describes the same file, else null. The caller
 // owns the new array; NULL where memory ran out.
-json_t* rf_join_kept_frames( const RfRenderOptions* options, const RfScene* scene, const RfCameraPath* path, const int* kept,
-                             int count, json_t* rendered );
+json_t* rf_join_kept_frames( const RfRenderJob* job );
 
 // reframe render --check: which frames are there.
 

@@ -1,12 +1,8 @@
 // reframe report DIR…: one self-contained HTML page of rendered sequences.
-#include "cli/report/report_command.h"
-
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/render/progress.h"
 #include "cli/report/report_facts.h"
-#include "cli/report/report_verdict.h"
 #include "cli/signals.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
@@ -26,7 +22,7 @@ static void add_frame_json( json_t* object, const RfPageTrack* track, int i )
 {
     const RfPageFrame* frame = track->frames + i;
     char id[32];
-    rf_page_block_id( track, track->page->numbers[i], id );
+    rf_page_block_id( track, track->run->numbers[i], id );
     json_t* row =
         json_pack( "{s:o, s:o, s:o, s:o, s:o, s:o, s:b, s:o, s:b}", "relmse", rf_json_number( frame->relmse ), "phi",
                    rf_json_number( frame->phi ), "f1", rf_json_number( frame->f1 ), "seconds", rf_json_number( frame->seconds ),
@@ -45,14 +41,14 @@ static void add_frame_json( json_t* object, const RfPageTrack* track, int i )
 
 static json_t* track_json( const RfPageTrack* track )
 {
-    RfExrWindow window = rf_page_window( &track->sequence->header );
+    RfExrWindow window = rf_page_window( &track->sequence.header );
     json_t* object =
-        json_pack( "{s:o, s:o, s:b, s:i, s:i, s:i, s:i, s:o, s:b, s:i, s:o}", "name", rf_json_text( track->sequence->name ),
-                   "path", rf_json_text( track->sequence->input.pattern ), "reference", track->sequence->is_reference, "width",
+        json_pack( "{s:o, s:o, s:b, s:i, s:i, s:i, s:i, s:o, s:b, s:i, s:o}", "name", rf_json_text( track->sequence.name ),
+                   "path", rf_json_text( track->sequence.input.pattern ), "reference", track->sequence.is_reference, "width",
                    track->picture_width, "height", track->picture_height, "file_width", window.width, "file_height",
                    window.height, "layers", rf_page_layers_json( &track->layers ), "mixes", rf_has_page_mix( &track->layers ),
                    "value_factor", track->value_factor, "facts", rf_page_facts_json( track ) );
-    for ( int i = 0; i < track->page->count; ++i )
+    for ( int i = 0; i < track->run->count; ++i )
         add_frame_json( object, track, i );
     return object;
 }
@@ -61,7 +57,7 @@ static json_t* track_json( const RfPageTrack* track )
 static json_t* notes_json( const RfPageRun* report )
 {
     bool compensated = false, still = false, variance = false;
-    for ( int i = 0; i < report->sequence_count; ++i )
+    for ( int i = 0; i < report->track_count; ++i )
     {
         compensated |= report->tracks[i].compensated;
         still |= !report->tracks[i].compensated;
@@ -82,24 +78,23 @@ static json_t* notes_json( const RfPageRun* report )
 static json_t* page_data_json( const RfPageRun* report, const char* title )
 {
     json_t* tracks = json_array();
-    for ( int i = 0; i < report->sequence_count; ++i )
+    for ( int i = 0; i < report->track_count; ++i )
         json_array_append_new( tracks, track_json( report->tracks + i ) );
     char subtitle[96], view[2 * RF_VIEW_NAME_SIZE + 4];
-    const RfExrHeader* header = &report->sequences[0].header;
+    const RfExrHeader* header = &report->tracks[0].sequence.header;
     const RfViewText* shown = &report->shown;
     RfExrWindow window = rf_page_window( header );
     bool has_look = shown->look[0] != '\0' && strcasecmp( shown->look, "None" ) != 0;
     double fps = report->fps.numerator > 0   ? (double)report->fps.numerator / report->fps.denominator
                  : header->fps_numerator > 0 ? (double)header->fps_numerator / header->fps_denominator
                                              : 24.0;
-    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", report->page.count, report->page.count == 1 ? "" : "s",
-              window.width, window.height );
+    snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", report->count, report->count == 1 ? "" : "s", window.width,
+              window.height );
     snprintf( view, sizeof view, "%s%s%s", shown->transform, has_look ? ", " : "", has_look ? shown->look : "" );
     return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( title ), "subtitle", subtitle,
-                      "fps", fps, "exposure", shown->exposure, "frames",
-                      rf_json_frames( report->page.numbers, report->page.count ), "sequences", tracks, "notes",
-                      notes_json( report ), "verdict", rf_page_verdict_json( report ), "view", rf_json_text( view ), "warnings",
-                      rf_page_warnings_json( report ) );
+                      "fps", fps, "exposure", shown->exposure, "frames", rf_json_frames( report->numbers, report->count ),
+                      "sequences", tracks, "notes", notes_json( report ), "verdict", rf_page_verdict_json( report ), "view",
+                      rf_json_text( view ), "warnings", rf_page_warnings_json( report ) );
 }
 
 // What `report --json` writes of a sequence.
@@ -109,48 +104,57 @@ static json_t* track_result_json( const RfPageTrack* track )
     bool has_flicker = track->flicker.pairs > 0;
     json_t* missing = rf_page_missing_json( track );
     int shown = 0;
-    for ( int k = 0; k < track->page->count; ++k )
+    for ( int k = 0; k < track->run->count; ++k )
         shown += track->frames[k].shown;
     json_t* json = json_pack(
         "{s:o, s:o, s:o, s:b, s:i, s:i, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "damaged_frames", rf_page_damaged_json( track ),
-        "name", rf_json_text( track->sequence->name ), "files", rf_json_text( track->sequence->input.pattern ), "reference",
-        track->sequence->is_reference, "frames", shown, "missing", (int)json_array_size( missing ), "missing_frames", missing,
+        "name", rf_json_text( track->sequence.name ), "files", rf_json_text( track->sequence.input.pattern ), "reference",
+        track->sequence.is_reference, "frames", shown, "missing", (int)json_array_size( missing ), "missing_frames", missing,
         "picture_bytes", (json_int_t)track->picture_bytes, "value_bytes", (json_int_t)track->value_bytes, "aov_bytes",
         (json_int_t)track->layer_bytes, "relmse", rf_json_number( track->has_error ? track->error.relmse : (double)NAN ),
         "relmse_estimate", rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : (double)NAN ),
         "phi", rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
-    if ( track->sequence->progress != NULL )
-        json_object_set( json, "progress", track->sequence->progress );
+    if ( track->sequence.progress != NULL )
+        json_object_set( json, "progress", track->sequence.progress );
     return json;
 }
 
 static json_t* page_result_json( const RfPageRun* report, uint64_t bytes )
 {
     json_t *tracks = json_array(), *verdict = rf_page_verdict_json( report );
-    for ( int i = 0; i < report->sequence_count; ++i )
+    for ( int i = 0; i < report->track_count; ++i )
         json_array_append_new( tracks, track_result_json( report->tracks + i ) );
     json_t* json =
         json_pack( "{s:o, s:I, s:i, s:o, s:O, s:O, s:o}", "output", rf_json_text( report->output ), "bytes", (json_int_t)bytes,
-                   "frames", report->page.count, "sequences", tracks, "verdict", json_object_get( verdict, "text" ),
-                   "worst_frame", json_object_get( verdict, "worst_frame" ), "warnings", rf_page_warnings_json( report ) );
+                   "frames", report->count, "sequences", tracks, "verdict", json_object_get( verdict, "text" ), "worst_frame",
+                   json_object_get( verdict, "worst_frame" ), "warnings", rf_page_warnings_json( report ) );
     json_decref( verdict );
     return json;
+}
+
+static RfResult open_sequence( RfPageRun* report, const char* place, const char* layer, RfError* error )
+{
+    RfPageTrack* track = report->tracks + report->track_count;
+    track->run = report;
+    track->index = report->track_count++;
+    return rf_open_page_sequence( place, layer, &track->sequence, error );
 }
 
 static RfResult open_sequences( RfPageRun* report, RfError* error )
 {
     RfResult result = RF_OK;
     for ( int i = 0; i < report->place_count && result == RF_OK; ++i )
-        result = rf_open_page_sequence( report->places[i], report->layer, report->sequences + report->sequence_count++, error );
+        result = open_sequence( report, report->places[i], report->layer, error );
     if ( result == RF_OK && report->reference != NULL )
     {
-        RfPageSequence* reference = report->sequences + report->sequence_count++;
         const char* layer = report->reference_layer != NULL ? report->reference_layer : report->layer;
-        result = rf_open_page_sequence( report->reference, layer, reference, error );
-        reference->is_reference = true;
+        result = open_sequence( report, report->reference, layer, error );
+        report->tracks[report->place_count].sequence.is_reference = true;
     }
+    for ( int i = 0; i < report->place_count && report->reference != NULL; ++i )
+        report->tracks[i].reference = report->tracks + report->place_count;
     if ( result == RF_OK && report->render_file != NULL )
-        result = rf_load_render_json( report->render_file, "--render-json", &report->sequences[0].render, error );
+        result = rf_load_render_json( report->render_file, "--render-json", &report->tracks[0].sequence.render, error );
     return result;
 }
 
@@ -159,39 +163,38 @@ static void tell_names_apart( RfPageRun* report )
 {
     for ( int i = 0; i < report->place_count; ++i )
     {
-        bool alike = strcmp( report->sequences[i].name, "." ) == 0 || strcmp( report->sequences[i].name, ".." ) == 0;
-        for ( int k = 0; k < report->sequence_count; ++k )
-            alike |= k != i && strcmp( report->sequences[i].name, report->sequences[k].name ) == 0;
+        bool alike = strcmp( report->tracks[i].sequence.name, "." ) == 0 || strcmp( report->tracks[i].sequence.name, ".." ) == 0;
+        for ( int k = 0; k < report->track_count; ++k )
+            alike |= k != i && strcmp( report->tracks[i].sequence.name, report->tracks[k].sequence.name ) == 0;
         if ( alike )
-            snprintf( report->sequences[i].name, sizeof report->sequences[i].name, "%.255s", report->places[i] );
+            snprintf( report->tracks[i].sequence.name, sizeof report->tracks[i].sequence.name, "%.255s", report->places[i] );
     }
     if ( report->reference != NULL )
-        snprintf( report->sequences[report->place_count].name, sizeof report->sequences[0].name, "reference" );
+        snprintf( report->tracks[report->place_count].sequence.name, sizeof report->tracks[0].sequence.name, "reference" );
 }
 
 // The frames of all sequences, each once, and those that none of them has.
 static RfResult join_frames( RfPageRun* report, RfError* error )
 {
-    RfPageFrames* page = &report->page;
     int room = 0, all = 0;
     for ( int i = 0; i < report->place_count; ++i )
-        room += report->sequences[i].input.count;
-    page->numbers = malloc( (size_t)room * sizeof( int ) );
-    if ( page->numbers == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", room );
+        room += report->tracks[i].sequence.input.count;
+    report->numbers = malloc( (size_t)room * sizeof( int ) );
+    if ( report->numbers == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
     for ( int i = 0; i < report->place_count; ++i )
     {
-        const RfSequenceInput* input = &report->sequences[i].input;
-        memcpy( page->numbers + all, input->frames, (size_t)input->count * sizeof( int ) );
+        const RfSequenceInput* input = &report->tracks[i].sequence.input;
+        memcpy( report->numbers + all, input->frames, (size_t)input->count * sizeof( int ) );
         all += input->count;
     }
-    qsort( page->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
+    qsort( report->numbers, (size_t)all, sizeof( int ), rf_compare_frames );
     for ( int i = 0; i < all; ++i )
     {
-        if ( page->count == 0 || page->numbers[page->count - 1] != page->numbers[i] )
-            page->numbers[page->count++] = page->numbers[i];
+        if ( report->count == 0 || report->numbers[report->count - 1] != report->numbers[i] )
+            report->numbers[report->count++] = report->numbers[i];
     }
-    return rf_missing_frames( page->numbers, page->count, &page->holes, &page->hole_count, error );
+    return rf_missing_frames( report->numbers, report->count, &report->holes, &report->hole_count, error );
 }
 
 // Keeps those of the numbers that are wanted, both ascending.
@@ -208,17 +211,16 @@ static int keep_wanted( int* numbers, int count, const int* wanted, int wanted_c
 
 static RfResult choose_frames( RfPageRun* report, RfError* error )
 {
-    RfPageFrames* page = &report->page;
     int *wanted, count;
     if ( report->frame_list == NULL )
         return RF_OK;
-    RfResult result = rf_parse_frames( report->frame_list, page->numbers, page->count, &wanted, &count, error );
+    RfResult result = rf_parse_frames( report->frame_list, report->numbers, report->count, &wanted, &count, error );
     if ( result != RF_OK )
         return result;
-    page->count = keep_wanted( page->numbers, page->count, wanted, count );
-    page->hole_count = keep_wanted( page->holes, page->hole_count, wanted, count );
+    report->count = keep_wanted( report->numbers, report->count, wanted, count );
+    report->hole_count = keep_wanted( report->holes, report->hole_count, wanted, count );
     free( wanted );
-    if ( page->count == 0 )
+    if ( report->count == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
     return result;
 }
@@ -231,13 +233,13 @@ static RfResult choose_view( RfPageRun* report, RfError* error )
     if ( report->layer != NULL && report->view.view == NULL )
         return RF_OK;
     RfLog log = rf_stderr_log( COMMAND );
-    RfResult result = rf_open_chosen_view( &report->view, report->sequences[0].first, &log, &view, &report->shown, error );
+    RfResult result = rf_open_chosen_view( &report->view, report->tracks[0].sequence.first, &log, &view, &report->shown, error );
     if ( result == RF_OK )
         rf_close_view( view ); // before there is work for nothing
     return result;
 }
 
-static RfResult check_options( const RfPageRun* report, RfError* error )
+static RfResult check_options( RfPageRun* report, RfError* error )
 {
     if ( report->output == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--output: is missing: give the page's name, such as -o report.html" );
@@ -257,15 +259,11 @@ static RfResult check_options( const RfPageRun* report, RfError* error )
 // Opens the sequences and lists the frames of the page. destroy_page_run in any case.
 static RfResult prepare_page( RfPageRun* report, RfError* error )
 {
-    RfResult result = check_options( report, error );
-    if ( result == RF_OK )
-        result = open_sequences( report, error );
-    if ( result == RF_OK )
-        result = join_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_frames( report, error );
-    if ( result == RF_OK )
-        result = choose_view( report, error );
+    static RfResult ( *const steps[] )( RfPageRun*, RfError* ) = { check_options, open_sequences, join_frames, choose_frames,
+                                                                   choose_view };
+    RfResult result = RF_OK;
+    for ( size_t i = 0; i < sizeof steps / sizeof steps[0] && result == RF_OK; ++i )
+        result = steps[i]( report, error );
     if ( result == RF_OK )
         result = rf_try_output_file( report->output, error );
     if ( result == RF_OK )
@@ -275,20 +273,10 @@ static RfResult prepare_page( RfPageRun* report, RfError* error )
 
 static void destroy_page_run( RfPageRun* report )
 {
-    for ( int i = 0; i < report->sequence_count; ++i )
-    {
-        rf_close_page_sequence( report->sequences + i );
+    for ( int i = 0; i < report->track_count; ++i )
         rf_free_page_track( report->tracks + i );
-    }
-    free( report->page.numbers );
-    free( report->page.holes );
-}
-
-static bool on_picture( void* user )
-{
-    RfPageRun* report = user;
-    rf_show_frame_count( report->quiet, ++report->done, report->all );
-    return !rf_is_interrupted();
+    free( report->numbers );
+    free( report->holes );
 }
 
 static const char* title_of( RfPageRun* report )
@@ -299,7 +287,7 @@ static const char* title_of( RfPageRun* report )
     {
         size_t used = strlen( report->own_title );
         snprintf( report->own_title + used, sizeof report->own_title - used, "%s%s", i > 0 ? ", " : "",
-                  report->sequences[i].name );
+                  report->tracks[i].sequence.name );
     }
     return report->own_title;
 }
@@ -307,24 +295,13 @@ static const char* title_of( RfPageRun* report )
 static RfResult add_tracks( RfPageRun* report, RfPage* page, RfError* error )
 {
     RfResult result = RF_OK;
-    RfPageFrames* shared = &report->page;
-    shared->values = (double)report->values / report->sequence_count;
-    shared->layers = (double)report->passes / report->sequence_count;
-    shared->progress = on_picture;
-    shared->user = report;
-    for ( int i = 0; i < report->sequence_count; ++i )
+    for ( int i = 0; i < report->track_count; ++i )
     {
-        for ( int k = 0; k < shared->count; ++k )
-            report->all += rf_has_page_frame( report->sequences + i, shared->numbers[k] );
+        for ( int k = 0; k < report->count; ++k )
+            report->all += rf_has_page_frame( &report->tracks[i].sequence, report->numbers[k] );
     }
-    for ( int i = 0; i < report->sequence_count && result == RF_OK; ++i )
-    {
-        const RfPageSequence *sequence = report->sequences + i, *reference = report->sequences + report->place_count;
-        report->tracks[i] = ( RfPageTrack ){ .page = shared, .sequence = sequence, .index = i };
-        if ( report->reference != NULL && sequence != reference )
-            report->tracks[i].reference = reference;
+    for ( int i = 0; i < report->track_count && result == RF_OK; ++i )
         result = rf_add_page_track( page, report->tracks + i, error );
-    }
     return result;
 }
 
@@ -392,13 +369,13 @@ static RfResult report_result( const RfPageRun* report, uint64_t bytes, RfError*
     RfLog log = rf_stderr_log( COMMAND );
     rf_format_bytes( (double)bytes, weight );
     if ( prints )
-        rf_print( "%s: %d frame%s, %s\n", report->output, report->page.count, report->page.count == 1 ? "" : "s", weight );
-    for ( int i = 0; i < report->sequence_count; ++i )
+        rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
+    for ( int i = 0; i < report->track_count; ++i )
     {
-        if ( prints && rf_format_unfinished( report->sequences[i].progress, text ) )
-            rf_print( "%s: %s\n", report->sequences[i].name, text );
+        if ( prints && rf_format_unfinished( report->tracks[i].sequence.progress, text ) )
+            rf_print( "%s: %s\n", report->tracks[i].sequence.name, text );
         if ( rf_format_damage( report->tracks + i, text ) )
-            rf_warn( &log, "%.256s: %s", report->sequences[i].name, text );
+            rf_warn( &log, "%.256s: %s", report->tracks[i].sequence.name, text );
     }
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: %s is slow to open in a browser: --width makes the pictures smaller, --frames selects some",
@@ -435,7 +412,7 @@ int rf_command_report( int argc, char** argv )
                         "output of render --json: time, memory, rays, estimated error", .reads = true,
                         .default_text = "the one in the folder" ),
         RF_TEXT_OPTION( "frames", &report.frame_list, "[@]A-B[xSTEP][,...]", "show only these frames", .default_text = "all" ),
-        RF_INT_OPTION( "width", &report.page.width, 16, 65500, "W",
+        RF_INT_OPTION( "width", &report.width, 16, 65500, "W",
                        "maximum width of the pictures; the figures are those of the files", .default_text = "as they are",
                        .heading = RF_HEADING_OUTPUT ),
         RF_MEMORY_OPTION( "values", &report.values, 0, "SIZE",

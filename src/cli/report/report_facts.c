@@ -1,12 +1,12 @@
-// Facts of a sequence on the page, and its warnings.
+// Facts of a sequence on the page, its warnings, and the verdict, which compares sequences by the time they need for equal error.
 #include "cli/report/report_facts.h"
 
 #include "cli/messages.h"
+#include "cli/render/render_json.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define LONGEST 600     // characters of a warning
@@ -39,25 +39,16 @@ static void warn( const List* list, const char* format, ... )
         list->json, json_pack( "{s:i, s:o, s:b}", "sequence", list->track, "text", cut_text( text, LONGEST ), "loss", 0 ) );
 }
 
-// What the export lost of the picture: all of it, in full.
-static void add_losses( const List* list, const json_t* render )
+// Of losses of the picture all, in full.
+static void add_lines( const List* list, const json_t* lines, bool loss )
 {
     size_t i;
     json_t* line;
-    json_array_foreach( json_object_get( render, "export_losses" ), i, line )
-    {
-        if ( json_is_string( line ) )
-            json_array_append_new( list->json, json_pack( "{s:i, s:O, s:b}", "sequence", list->track, "text", line, "loss", 1 ) );
-    }
-}
-
-static void add_lines( const List* list, const json_t* lines )
-{
-    size_t i;
-    const json_t* line;
     json_array_foreach( lines, i, line )
     {
-        if ( json_is_string( line ) && i < MOST_LINES )
+        if ( json_is_string( line ) && loss )
+            json_array_append_new( list->json, json_pack( "{s:i, s:O, s:b}", "sequence", list->track, "text", line, "loss", 1 ) );
+        else if ( json_is_string( line ) && i < MOST_LINES )
             warn( list, "%s", json_string_value( line ) );
     }
 }
@@ -67,7 +58,7 @@ static void add_reported( const List* list, const json_t* render )
 {
     const json_t* lines = json_object_get( render, "warnings" );
     double missed = rf_json_number_of( json_object_get( render, "noise" ), "missed" );
-    add_lines( list, lines );
+    add_lines( list, lines, false );
     if ( isgreater( missed, 0.0 ) && lines == NULL )
         warn( list, "--noise was not reached in %.0f frame%s", missed, missed == 1.0 ? "" : "s" );
     if ( json_is_true( json_object_get( render, "interrupted" ) ) )
@@ -78,7 +69,7 @@ static void add_reported( const List* list, const json_t* render )
 static void add_absent( const List* list, const RfPageTrack* track )
 {
     char text[RF_UNFINISHED_SIZE];
-    const json_t* progress = track->sequence->progress;
+    const json_t* progress = track->sequence.progress;
     json_t* missing = rf_page_missing_json( track );
     if ( progress != NULL && rf_format_unfinished( progress, text ) )
         warn( list, "still rendering: %s", text );
@@ -91,7 +82,7 @@ static void add_absent( const List* list, const RfPageTrack* track )
 static void add_doubts( const List* list, const RfPageTrack* track )
 {
     size_t bad = 0, clipped = 0;
-    int first = -1, bad_frames = 0, clipped_frames = 0, bounds = 0, count = track->page->count;
+    int first = -1, bad_frames = 0, clipped_frames = 0, bounds = 0, count = track->run->count;
     double share = 0.0;
     for ( int i = 0; i < count; ++i )
     {
@@ -101,13 +92,13 @@ static void add_doubts( const List* list, const RfPageTrack* track )
         bad_frames += frame->bad > 0;
         clipped_frames += frame->clipped > 0;
         bounds += frame->at_least;
-        first = first < 0 && frame->bad > 0 ? track->page->numbers[i] : first;
+        first = first < 0 && frame->bad > 0 ? track->run->numbers[i] : first;
         share = fmax( share, frame->worst_ten_share ); // fmax passes over NaN
     }
     if ( bad > 0 )
         warn( list, "%zu pixel%s NaN or infinite, in %d frame%s from %d on; NaN is shown in magenta", bad,
               bad == 1 ? " is" : "s are", bad_frames, bad_frames == 1 ? "" : "s", first );
-    if ( clipped > 0 && track->sequence->render == NULL ) // else that has warned
+    if ( clipped > 0 && track->sequence.render == NULL ) // else that has warned
         warn( list, "%zu pixel%s clipped by the range of the file's channels, in %d frame%s", clipped,
               clipped == 1 ? " is" : "s are", clipped_frames, clipped_frames == 1 ? "" : "s" );
     char worst[64] = "";
@@ -121,15 +112,15 @@ static void add_doubts( const List* list, const RfPageTrack* track )
 json_t* rf_page_warnings_json( const RfPageRun* report )
 {
     List list = { .json = json_array() };
-    for ( list.track = 0; list.track < report->sequence_count; ++list.track )
-        add_losses( &list, report->tracks[list.track].sequence->render );
-    for ( list.track = 0; list.track < report->sequence_count; ++list.track )
+    for ( list.track = 0; list.track < report->track_count; ++list.track )
+        add_lines( &list, json_object_get( report->tracks[list.track].sequence.render, "export_losses" ), true );
+    for ( list.track = 0; list.track < report->track_count; ++list.track )
     {
         char text[RF_DAMAGE_SIZE];
         const RfPageTrack* track = report->tracks + list.track;
         const RfFilePasses* passes = &track->layers.passes;
         RfFilePasses left_out = { passes->passes + track->layers.count, passes->count - track->layers.count, NULL };
-        add_reported( &list, track->sequence->render );
+        add_reported( &list, track->sequence.render );
         add_absent( &list, track );
         if ( rf_format_damage( track, text ) )
             warn( &list, "%s", text );
@@ -137,7 +128,7 @@ json_t* rf_page_warnings_json( const RfPageRun* report )
         rf_name_passes( &left_out, text, 512 );
         if ( left_out.count > 0 )
             warn( &list, "passes that are not on this page: %s", text );
-        add_lines( &list, json_object_get( track->sequence->render, "export_warnings" ) );
+        add_lines( &list, json_object_get( track->sequence.render, "export_warnings" ), false );
     }
     return list.json;
 }
@@ -172,10 +163,17 @@ static void format_seconds( double seconds, char text[32] )
         snprintf( text, 32, "%.0f h %.0f min", hours, minutes - 60.0 * hours );
 }
 
-static void add_fact( json_t* facts, const char* group, const char* label, const char* value )
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
+    __attribute__( ( format( printf, 4, 5 ) ) );
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
 {
+    char text[2 * LONGEST];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof text, format, arguments );
+    va_end( arguments );
     json_array_append_new( facts,
-                           json_pack( "[o, o, o]", rf_json_text( group ), rf_json_text( label ), cut_text( value, FACT_SIZE ) ) );
+                           json_pack( "[o, o, o]", rf_json_text( group ), rf_json_text( label ), cut_text( text, FACT_SIZE ) ) );
 }
 
 static void format_three( double value, char text[32] ) { snprintf( text, 32, "%.3g", value ); }
@@ -189,7 +187,7 @@ static void add_number( json_t* facts, const char* group, const char* label, dou
     if ( !isfinite( value ) )
         return;
     format( value, text );
-    add_fact( facts, group, label, text );
+    add_fact( facts, group, label, "%s", text );
 }
 
 // What they are of: only the frames that the last run rendered have their costs in the JSON.
@@ -199,14 +197,13 @@ static int add_rendered( json_t* facts, const json_t* render )
     const json_t* row;
     int all = (int)json_array_size( json_object_get( render, "frames" ) ), kept = 0;
     bool interrupted = json_is_true( json_object_get( render, "interrupted" ) );
-    char text[128], more[64] = "";
+    char more[64] = "";
     json_array_foreach( json_object_get( render, "frames" ), i, row ) kept += json_is_true( json_object_get( row, "kept" ) );
     if ( kept > 0 )
         snprintf( more, sizeof more, "; %d kept from before", kept );
-    snprintf( text, sizeof text, "of %d frame%s rendered last%s%s", all - kept, all - kept == 1 ? "" : "s",
-              interrupted ? ", then interrupted" : "", more );
     if ( kept > 0 || interrupted )
-        add_fact( facts, "Cost", "Totals", text );
+        add_fact( facts, "Cost", "Totals", "of %d frame%s rendered last%s%s", all - kept, all - kept == 1 ? "" : "s",
+                  interrupted ? ", then interrupted" : "", more );
     return interrupted ? 0 : all - kept;
 }
 
@@ -234,8 +231,8 @@ static void format_samples( double samples, char text[32] ) { snprintf( text, 32
 static void add_range( json_t* facts, const char* label, const RfPageTrack* track, size_t offset )
 {
     double least = INFINITY, most = -INFINITY;
-    char parts[2][32], text[80];
-    for ( int i = 0; i < track->page->count; ++i )
+    char parts[2][32];
+    for ( int i = 0; i < track->run->count; ++i )
     {
         const double* value = (const double*)( (const char*)( track->frames + i ) + offset );
         least = fmin( least, *value ); // passes over NaN
@@ -243,33 +240,31 @@ static void add_range( json_t* facts, const char* label, const RfPageTrack* trac
     }
     format_samples( least, parts[0] );
     format_samples( most, parts[1] );
-    snprintf( text, sizeof text, strcmp( parts[0], parts[1] ) == 0 ? "%s" : "%s to %s", parts[0], parts[1] );
+    bool same = strcmp( parts[0], parts[1] ) == 0;
     if ( least <= most )
-        add_fact( facts, "Cost", label, text );
+        add_fact( facts, "Cost", label, "%s%s%s", parts[0], same ? "" : " to ", same ? "" : parts[1] );
 }
 
-// Frames and size.
 static void add_picture( json_t* facts, const RfPageTrack* track )
 {
-    const RfExrHeader* header = &track->sequence->header;
+    const RfExrHeader* header = &track->sequence.header;
     RfExrWindow window = rf_page_window( header );
     char text[96];
     int shown = 0, first = 0, last = 0;
-    for ( int i = 0; i < track->page->count; ++i )
+    for ( int i = 0; i < track->run->count; ++i )
     {
         if ( !track->frames[i].shown )
             continue;
-        first = shown++ == 0 ? track->page->numbers[i] : first;
-        last = track->page->numbers[i];
+        first = shown++ == 0 ? track->run->numbers[i] : first;
+        last = track->run->numbers[i];
     }
-    snprintf( text, sizeof text, "%d, from %d to %d", shown, first, last );
-    add_fact( facts, "Picture", "Frames", text );
+    add_fact( facts, "Picture", "Frames", "%d, from %d to %d", shown, first, last );
     int used = snprintf( text, sizeof text, "%d x %d", window.width, window.height );
     if ( window.width != header->width || window.height != header->height )
         used += snprintf( text + used, sizeof text - (size_t)used, ", with overscan %d x %d", header->width, header->height );
     if ( track->picture_width != window.width )
         snprintf( text + used, sizeof text - (size_t)used, ", shown as %d x %d", track->picture_width, track->picture_height );
-    add_fact( facts, "Picture", "Size", text );
+    add_fact( facts, "Picture", "Size", "%s", text );
 }
 
 static void add_error( json_t* facts, const RfPageTrack* track )
@@ -277,22 +272,20 @@ static void add_error( json_t* facts, const RfPageTrack* track )
     const RfErrorMetrics* e = &track->error;
     bool measured = track->has_error && isfinite( e->relmse ), at_least = false;
     double relmse = measured ? e->relmse : track->estimate;
-    char text[96], noise[RF_NOISE_TEXT_SIZE];
-    for ( int i = 0; i < track->page->count; ++i )
+    char noise[RF_NOISE_TEXT_SIZE];
+    for ( int i = 0; i < track->run->count; ++i )
         at_least |= track->frames[i].at_least;
     rf_format_noise( relmse, noise );
-    snprintf( text, sizeof text, "%s%.3g, %s noise%s", at_least ? "at least " : "", relmse, noise,
-              measured ? "" : ", estimated" );
     if ( isfinite( relmse ) )
-        add_fact( facts, "Error", "relMSE", text );
+        add_fact( facts, "Error", "relMSE", "%s%.3g, %s noise%s", at_least ? "at least " : "", relmse, noise,
+                  measured ? "" : ", estimated" );
     if ( measured )
     {
         bool relative = e->reference_mean > 0.0;
         double scale = relative ? 100.0 / e->reference_mean : 1.0;
         add_number( facts, "Error", "without the worst 0.1 %", e->relmse_trimmed, format_three );
-        snprintf( text, sizeof text, "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
+        add_fact( facts, "Error", "Mean error", "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
                   e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
-        add_fact( facts, "Error", "Mean error", text );
     }
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     add_number( facts, "Error", "Flicker: phi", track->flicker.pairs > 0 ? flicker.phi : (double)NAN, format_three );
@@ -301,15 +294,15 @@ static void add_error( json_t* facts, const RfPageTrack* track )
 
 static void add_progress( json_t* facts, const json_t* progress )
 {
-    char text[64], label[240];
+    char label[240];
     size_t i;
     const json_t* task;
     json_array_foreach( json_object_get( progress, "tasks" ), i, task )
     {
         snprintf( label, sizeof label, "Task %zu: %.200s", i, json_string_value( json_object_get( task, "frames" ) ) );
-        snprintf( text, sizeof text, "%.0f of %.0f", rf_json_number_of( task, "finished" ), rf_json_number_of( task, "count" ) );
         if ( i < MOST_LINES )
-            add_fact( facts, "Progress", label, text );
+            add_fact( facts, "Progress", label, "%.0f of %.0f", rf_json_number_of( task, "finished" ),
+                      rf_json_number_of( task, "count" ) );
     }
 }
 
@@ -334,17 +327,17 @@ static void take_string( void* user, const char* name, const char* value )
     if ( snprintf( word, sizeof word, " %s ", name ) < (int)sizeof word && strstr( left_out, word ) != NULL )
         return;
     if ( is_own )
-        add_fact( strings->facts, "Settings", name + sizeof own - 1, value );
+        add_fact( strings->facts, "Settings", name + sizeof own - 1, "%s", value );
     else if ( strings->count++ < MOST_STRINGS )
-        add_fact( strings->facts, "Header", name, value );
+        add_fact( strings->facts, "Header", name, "%s", value );
 }
 
 json_t* rf_page_facts_json( const RfPageTrack* track )
 {
-    const RfPageSequence* sequence = track->sequence;
+    const RfPageSequence* sequence = &track->sequence;
     Strings strings = { .facts = json_array() };
     add_picture( strings.facts, track );
-    add_fact( strings.facts, "Picture", "Files", sequence->input.pattern );
+    add_fact( strings.facts, "Picture", "Files", "%s", sequence->input.pattern );
     add_error( strings.facts, track );
     add_costs( strings.facts, sequence->render );
     add_range( strings.facts, "Samples a pixel", track, offsetof( RfPageFrame, samples ) );
@@ -352,4 +345,169 @@ json_t* rf_page_facts_json( const RfPageTrack* track )
     add_progress( strings.facts, sequence->progress );
     rf_list_exr_strings( sequence->first, take_string, &strings, NULL );
     return strings.facts;
+}
+
+static bool is_compared( const RfPageTrack* track )
+{
+    bool has_error = false;
+    for ( int i = 0; i < track->run->count; ++i )
+        has_error |= isgreater( track->frames[i].relmse, 0.0 );
+    return has_error && !track->sequence.is_reference;
+}
+
+// True if every compared sequence has an error in this frame, and with `least` >= 0 seconds of at least that.
+static bool is_common( const RfPageRun* report, int frame, double least )
+{
+    for ( int i = 0; i < report->track_count; ++i )
+    {
+        const RfPageFrame* figures = report->tracks[i].frames + frame;
+        if ( is_compared( report->tracks + i ) &&
+             ( !isgreater( figures->relmse, 0.0 ) || ( least >= 0.0 && !isgreaterequal( figures->seconds, least ) ) ) )
+            return false;
+    }
+    return true;
+}
+
+// A sequence over the frames that all compared sequences have.
+typedef struct Entry
+{
+    int index;
+    double relmse, score; // means: of the error, and where times can be compared of error times seconds
+    int bounds;           // estimates of its error that are lower bounds
+} Entry;
+
+// The sequences that need least and most time for the same error, or have the least and the most error.
+typedef struct Contest
+{
+    Entry best, worst;
+    int compared, frames; // sequences and frames
+    int threads; // of every sequence; 0: they differ, or are not known, and wall-clock seconds say nothing about each other
+    bool with_seconds;
+} Contest;
+
+static Entry enter( const RfPageRun* report, const Contest* c, int index )
+{
+    const RfPageFrame* frames = report->tracks[index].frames;
+    Entry entry = { .index = index };
+    double seconds = 0.0;
+    for ( int i = 0; i < report->count; ++i )
+    {
+        entry.bounds += frames[i].at_least;
+        if ( !is_common( report, i, c->with_seconds ? 0.0 : -1.0 ) ) // repeated frames take no time
+            continue;
+        entry.relmse += frames[i].relmse / c->frames;
+        seconds += frames[i].seconds / c->frames;
+    }
+    entry.score = c->with_seconds ? entry.relmse * seconds : entry.relmse;
+    return entry;
+}
+
+static Contest hold_contest( const RfPageRun* report )
+{
+    Contest c = { .threads = -1 };
+    for ( int i = 0; i < report->track_count; ++i )
+    {
+        double threads = rf_json_number_of( report->tracks[i].sequence.render, "threads" );
+        int known = isgreaterequal( threads, 1.0 ) ? (int)threads : 0;
+        if ( is_compared( report->tracks + i ) )
+            c.threads = c.threads == -1 || c.threads == known ? known : 0;
+    }
+    for ( int i = 0; i < report->count && c.threads > 0; ++i )
+        c.with_seconds |= is_common( report, i, 1e-9 );
+    for ( int i = 0; i < report->count; ++i )
+        c.frames += is_common( report, i, c.with_seconds ? 0.0 : -1.0 );
+    for ( int i = 0; i < report->track_count; ++i )
+    {
+        if ( !is_compared( report->tracks + i ) )
+            continue;
+        Entry entry = enter( report, &c, i );
+        c.best = c.compared == 0 || entry.score < c.best.score ? entry : c.best;
+        c.worst = c.compared == 0 || entry.score >= c.worst.score ? entry : c.worst;
+        c.compared += 1;
+    }
+    return c;
+}
+
+static void compare_words( const RfPageRun* report, const Contest* c, char* text, size_t size )
+{
+    const char *best = report->tracks[c->best.index].sequence.name, *worst = report->tracks[c->worst.index].sequence.name;
+    double times = c->worst.score / c->best.score;
+    char ratio[48]; // with what lower bounds leave of it
+    snprintf( ratio, sizeof ratio, times < 9.95 ? "%s%.2g" : "%s%.0f",
+              c->best.bounds > 0 && c->worst.bounds > 0 ? "about "
+              : c->best.bounds > 0                      ? "at most "
+              : c->worst.bounds > 0                     ? "at least "
+                                                        : "",
+              times );
+    if ( times < 1.05 )
+        snprintf( text, size,
+                  c->with_seconds ? "%.200s and %.200s are about equally fast at equal noise"
+                                  : "%.200s and %.200s are about equally noisy",
+                  best, worst );
+    else if ( c->with_seconds )
+        snprintf( text, size, "%.200s is %s times faster than %.200s at equal noise", best, ratio, worst );
+    else
+        snprintf( text, size, "%.200s has %s times the relMSE of %.200s", worst, ratio, best );
+}
+
+// One sequence: how noisy it is.
+static void single_words( const RfPageRun* report, const Contest* c, char* text, size_t size )
+{
+    const json_t* frames = json_object_get( report->tracks[c->best.index].sequence.render, "frames" );
+    json_t* specks = report->reference != NULL ? NULL : rf_sum_specks( frames );
+    char percent[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( c->best.relmse, percent );
+    if ( !rf_format_specks( specks, text, size ) )
+        snprintf( text, size, "%s %s noise (relMSE %.3g)", c->best.bounds > 0 ? "At least" : "About", percent, c->best.relmse );
+    json_decref( specks );
+}
+
+static void basis_words( const RfPageRun* report, const Contest* c, char* text, size_t size )
+{
+    int bounds = 0;
+    for ( int i = 0; i < report->track_count; ++i )
+        bounds += enter( report, c, i ).bounds;
+    size_t used =
+        (size_t)snprintf( text, size, "%s, mean of %d frame%s",
+                          report->reference != NULL ? "relMSE against the reference" : "relMSE estimated by the renderer",
+                          c->frames, c->frames == 1 ? "" : "s" );
+    if ( c->compared > 1 && c->with_seconds )
+        used += (size_t)snprintf( text + used, size - used, "; wall-clock time, %d thread%s each", c->threads,
+                                  c->threads == 1 ? "" : "s" );
+    else if ( c->compared > 1 )
+        used += (size_t)snprintf( text + used, size - used,
+                                  "; times are not compared: that needs render --json with the same number of threads" );
+    if ( bounds > 0 )
+        snprintf( text + used, size - used, "; %d estimate%s a lower bound: --reference gives the true error", bounds,
+                  bounds == 1 ? " is" : "s are" );
+}
+
+// The index of the frame with the largest error of the sequence that the verdict is about; -1: not known.
+static int worst_frame( const RfPageRun* report, const Contest* c )
+{
+    int worst = -1;
+    const RfPageFrame* frames = report->tracks[c->best.index].frames;
+    for ( int i = 0; i < report->count; ++i )
+    {
+        if ( isgreater( frames[i].relmse, 0.0 ) && ( worst < 0 || frames[i].relmse > frames[worst].relmse ) )
+            worst = i;
+    }
+    return worst;
+}
+
+json_t* rf_page_verdict_json( const RfPageRun* report )
+{
+    char text[768] = "The error is unknown",
+         basis[512] = "--reference measures it; render writes its estimate into the frames and its JSON";
+    Contest c = hold_contest( report );
+    bool known = c.compared > 0 && c.frames > 0;
+    int worst = known ? worst_frame( report, &c ) : -1;
+    if ( known )
+    {
+        ( c.compared > 1 ? compare_words : single_words )( report, &c, text, sizeof text );
+        basis_words( report, &c, basis, sizeof basis );
+    }
+    bool names = worst >= 0 && report->count > 1;
+    return json_pack( "{s:o, s:s, s:o}", "text", rf_json_text( text ), "basis", basis, "worst_frame",
+                      names ? json_integer( report->numbers[worst] ) : json_null() );
 }

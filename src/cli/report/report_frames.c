@@ -2,6 +2,8 @@
 #include "cli/report/report_frames.h"
 
 #include "cli/messages.h"
+#include "cli/render/progress.h"
+#include "cli/signals.h"
 #include "image/exr.h"
 #include "measure/flicker_sequence.h"
 
@@ -17,13 +19,11 @@
 #define MOST_NAMES 65535 // of a Cryptomatte, for 16 bits
 #define READ_CHANNELS 24 // at once: a file is decompressed as a whole, but all passes of large frames take much memory
 
-// Does a window lie where the picture does?
 static bool is_at_picture( const RfExrWindow* w, const RfExrHeader* header )
 {
     return w->x == header->x && w->y == header->y && w->width == header->width && w->height == header->height;
 }
 
-// How many passes from `first` on are read at once.
 static int batch_of( const RfPageLayers* layers, int first )
 {
     int count = 1, channels = layers->passes.passes[first].channel_count;
@@ -78,22 +78,26 @@ static void crop( const RfExrHeader* header, const float* from, int stride, floa
     }
 }
 
-// A frame, and where it goes.
-typedef struct Target
+// A sequence at work.
+typedef struct Work
 {
     RfPage* page;
     RfPageTrack* track;
-    int number;
-    const char* path; // of its file
-} Target;
+    int number; // of the frame
+    char path[RF_FILE_NAME_SIZE];
+    RfFlickerLayers layers;
+    RfFlickerFrame ring[2]; // this frame and the one before, at their places modulo 2
+    bool has_frame[2];      // and their signals are what flicker wants
+    RfErrorSummary errors;
+} Work;
 
 // Takes a pass, an index of those shown: `stride` floats for each pixel that the page shows.
-typedef RfResult VisitPass( const Target* to, int pass, const float* values, int stride, RfError* error );
+typedef RfResult VisitPass( Work* to, int pass, const float* values, int stride, RfError* error );
 
 // Reads the passes of a frame, several at once. *whole: false where its file lacks one of them.
-static RfResult visit_passes( const Target* to, VisitPass* visit, bool* whole, RfError* error )
+static RfResult visit_passes( Work* to, const char* path, VisitPass* visit, bool* whole, RfError* error )
 {
-    const RfExrHeader* header = &to->track->sequence->header;
+    const RfExrHeader* header = &to->track->sequence.header;
     const RfPageLayers* layers = &to->track->layers;
     RfResult result = RF_OK;
     *whole = layers->count > 0;
@@ -104,7 +108,7 @@ static RfResult visit_passes( const Target* to, VisitPass* visit, bool* whole, R
         float* values = NULL;
         int stride, at = 0;
         count = batch_of( layers, first );
-        result = rf_read_passes( to->path, passes, count, &window, &values, &stride, error );
+        result = rf_read_passes( path, passes, count, &window, &values, &stride, error );
         *whole = result == RF_OK && is_at_picture( &window, header );
         if ( *whole )
             crop( header, values, stride, values );
@@ -117,9 +121,9 @@ static RfResult visit_passes( const Target* to, VisitPass* visit, bool* whole, R
     return result;
 }
 
-static RfResult take_range( const Target* to, int pass, const float* values, int stride, RfError* error )
+static RfResult take_range( Work* to, int pass, const float* values, int stride, RfError* error )
 {
-    RfExrWindow window = rf_page_window( &to->track->sequence->header );
+    RfExrWindow window = rf_page_window( &to->track->sequence.header );
     RfPageLayers* layers = &to->track->layers;
     (void)error;
     layers->ranges[pass] =
@@ -153,46 +157,45 @@ static void free_page_layers( RfPageLayers* layers )
 
 // Finds the passes of the first file; the ranges of their values are those of the middle frame, unless that lacks them: the first
 // has nothing that moves from a frame before.
-static RfResult find_page_layers( RfPageTrack* track, RfError* error )
+static RfResult find_page_layers( Work* work, RfError* error )
 {
-    const RfPageSequence* sequence = track->sequence;
+    RfPageTrack* track = work->track;
+    const RfPageSequence* sequence = &track->sequence;
     RfPageLayers* layers = &track->layers;
     int pictures = 0, typical = 0;
-    char path[RF_FILE_NAME_SIZE];
-    for ( int i = 0; i < track->page->count; ++i )
+    for ( int i = 0; i < track->run->count; ++i )
     {
-        int number = track->page->numbers[i];
+        int number = track->run->numbers[i];
         if ( !rf_has_page_frame( sequence, number ) )
             continue;
-        typical = pictures == 0 || i <= track->page->count / 2 ? number : typical;
+        typical = pictures == 0 || i <= track->run->count / 2 ? number : typical;
         ++pictures;
     }
-    if ( pictures == 0 || !( track->page->layers > 0.0 ) )
+    if ( pictures == 0 || !( (double)track->run->passes / track->run->track_count > 0.0 ) )
         return RF_OK;
-    RfResult result = rf_page_frame_path( sequence, typical, path, error );
+    RfResult result = rf_sequence_input_name( &sequence->input, typical, work->path, error );
     if ( result == RF_OK )
         result = rf_list_passes( &sequence->header, &layers->passes, error );
     if ( result != RF_OK )
         return result;
     sort_out( &sequence->header, layers );
     if ( layers->count > 0 )
-        choose_factor( &sequence->header, pictures, track->page->layers, layers );
+        choose_factor( &sequence->header, pictures, (double)track->run->passes / track->run->track_count, layers );
     layers->ranges = malloc( (size_t)( layers->count + 1 ) * sizeof *layers->ranges );
     layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
     if ( layers->ranges == NULL || layers->names == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->input.pattern );
     bool whole;
-    Target middle = { .track = track, .path = path }, first = { .track = track, .path = sequence->first };
-    result = visit_passes( &middle, take_range, &whole, error );
+    result = visit_passes( work, work->path, take_range, &whole, error );
     if ( result == RF_OK && !whole )
-        result = visit_passes( &first, take_range, &whole, error );
+        result = visit_passes( work, sequence->first, take_range, &whole, error );
     if ( !whole )
         layers->count = 0;
-    return result == RF_OK ? find_names( path, layers, error ) : result;
+    return result == RF_OK ? find_names( work->path, layers, error ) : result;
 }
 
 // Adds the image as a picture, smaller by `factor`, in a block.
-static RfResult add_picture( const Target* to, const char* id, const RfImage* image, int factor, double bits, RfError* error )
+static RfResult add_picture( Work* to, const char* id, const RfImage* image, int factor, double bits, RfError* error )
 {
     RfImage small = { 0 };
     unsigned char* bytes = NULL;
@@ -217,11 +220,11 @@ static int name_at( const RfMatteNames* names, const float* value )
 
 // Adds the names at the centres of the pixels of a picture, as runs. Where these are short, as in grass, they are left out: they
 // would take more than the picture.
-static RfResult add_names( const Target* to, int pass, const float* values, int stride, RfError* error )
+static RfResult add_names( Work* to, int pass, const float* values, int stride, RfError* error )
 {
     const RfPageLayers* layers = &to->track->layers;
     const RfMatteNames* names = layers->names + pass;
-    RfExrWindow window = rf_page_window( &to->track->sequence->header );
+    RfExrWindow window = rf_page_window( &to->track->sequence.header );
     int pixels = layers->width * layers->height;
     size_t most = (size_t)pixels / 2, used = 0; // bytes
     unsigned char* bytes = malloc( most + 4 );
@@ -250,10 +253,10 @@ static RfResult add_names( const Target* to, int pass, const float* values, int 
     return result;
 }
 
-static RfResult add_pass( const Target* to, int pass, const float* values, int stride, RfError* error )
+static RfResult add_pass( Work* to, int pass, const float* values, int stride, RfError* error )
 {
     const RfPageLayers* layers = &to->track->layers;
-    RfExrWindow window = rf_page_window( &to->track->sequence->header );
+    RfExrWindow window = rf_page_window( &to->track->sequence.header );
     RfImage image;
     char id[48];
     RfResult result = rf_create_image( window.width, window.height, &image, error );
@@ -301,7 +304,7 @@ bool rf_has_page_mix( const RfPageLayers* layers )
 
 void rf_page_block_id( const RfPageTrack* track, int number, char id[32] ) { snprintf( id, 32, "s%d-%d", track->index, number ); }
 
-static RfResult add_values( const Target* to, const char* id, const RfImage* image, RfError* error )
+static RfResult add_values( Work* to, const char* id, const RfImage* image, RfError* error )
 {
     unsigned char* bytes;
     size_t size;
@@ -313,18 +316,18 @@ static RfResult add_values( const Target* to, const char* id, const RfImage* ima
 }
 
 // Adds picture, scene values and passes of a frame. *whole: false where its file lacks passes.
-static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole, RfError* error )
+static RfResult add_blocks( Work* to, const RfImage* image, bool* whole, RfError* error )
 {
     RfPageTrack* track = to->track;
-    RfExrWindow window = rf_page_window( &track->sequence->header );
-    int most = track->page->width, factor = most > 0 ? ( window.width + most - 1 ) / most : 1;
+    RfExrWindow window = rf_page_window( &track->sequence.header );
+    int most = track->run->width, factor = most > 0 ? ( window.width + most - 1 ) / most : 1;
     uint64_t before = to->page->raw, ends[3];
     char id[32];
     RfImage shown;
     RfResult result = rf_create_image( window.width, window.height, &shown, error );
     if ( result != RF_OK )
         return result;
-    crop( &track->sequence->header, image->rgb, 3, shown.rgb );
+    crop( &track->sequence.header, image->rgb, 3, shown.rgb );
     rf_page_block_id( track, to->number, id );
     result = add_picture( to, id, &shown, factor, RF_PICTURE_MAX_BITS, error );
     track->picture_bytes += to->page->raw - before;
@@ -335,7 +338,7 @@ static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole,
     ends[1] = to->page->bytes;
     rf_destroy_image( &shown );
     if ( result == RF_OK )
-        result = visit_passes( to, add_pass, whole, error );
+        result = visit_passes( to, to->path, add_pass, whole, error );
     ends[2] = to->page->bytes;
     track->value_bytes += ends[1] - ends[0];
     track->layer_bytes += ends[2] - ends[1];
@@ -344,23 +347,12 @@ static RfResult add_blocks( const Target* to, const RfImage* image, bool* whole,
     return result;
 }
 
-typedef struct Work
-{
-    RfPage* page;
-    RfPageTrack* track;
-    RfFlickerLayers layers;
-    RfFlickerFrame ring[2]; // this frame and the one before, at their places modulo 2
-    bool has_frame[2];      // and their signals are what flicker wants
-    RfErrorSummary errors;
-    bool has_summary;
-} Work;
-
 // Without a reference flicker follows the motion and rests on the variance of the colour, where the files have them; what `flicker`
 // would refuse is left out.
 static void find_layers( Work* work )
 {
     RfPageTrack* track = work->track;
-    const RfPageSequence* sequence = track->sequence;
+    const RfPageSequence* sequence = &track->sequence;
     RfFlickerLayers* layers = &work->layers;
     bool alone = track->reference == NULL && !sequence->is_reference;
     if ( !alone || rf_find_flicker_layers( sequence->first, &sequence->header, NULL, NULL, layers, NULL ) != RF_OK ||
@@ -385,14 +377,7 @@ static size_t count_bad( const RfImage* image )
 static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame* frame, RfImage* reference, RfError* error )
 {
     RfErrorMetrics metrics;
-    RfResult result = rf_measure_error( &frame->signal, reference, &metrics, error );
-    if ( result == RF_OK && !work->has_summary )
-    {
-        result = rf_create_summary( frame->signal.width, frame->signal.height, work->track->page->count, &work->errors, error );
-        work->has_summary = result == RF_OK;
-    }
-    if ( result == RF_OK )
-        result = rf_summary_add( &work->errors, &frame->signal, reference, error );
+    RfResult result = rf_measure_frame( &work->errors, work->track->run->count, &frame->signal, reference, &metrics, error );
     if ( result != RF_OK )
         return result;
     figures->relmse = metrics.relmse;
@@ -443,7 +428,7 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
     RfFlickerSums sums;
-    const int* numbers = track->page->numbers;
+    const int* numbers = track->run->numbers;
     const RfFlickerFrame *now = work->ring + i % 2, *before = work->ring + ( i + 1 ) % 2;
     bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && numbers[i] == numbers[i - 1] + 1;
     if ( !pair || rf_is_cut( now, before ) || !rf_has_flicker_layers( &work->layers, now, before ) )
@@ -478,10 +463,11 @@ static RfResult read_reference( const RfPageTrack* track, int number, RfImage* i
 {
     char path[RF_FILE_NAME_SIZE];
     bool same;
-    RfResult result = rf_page_frame_path( track->reference, number, path, error );
+    RfResult result = rf_sequence_input_name( &track->reference->sequence.input, number, path, error );
     if ( result != RF_OK )
         return result;
-    result = rf_read_aligned( path, track->reference->layer, &track->sequence->header, track->sequence->first, image, error );
+    result =
+        rf_read_aligned( path, track->reference->sequence.layer, &track->sequence.header, track->sequence.first, image, error );
     if ( result != RF_OK && result != RF_ERROR_MEMORY && rf_verify_exr( path, &same, NULL ) != RF_OK )
         return RF_OK;
     return result;
@@ -490,25 +476,25 @@ static RfResult read_reference( const RfPageTrack* track, int number, RfImage* i
 static RfResult add_frame( Work* work, int i, RfError* error )
 {
     RfPageTrack* track = work->track;
-    int number = track->page->numbers[i];
+    int number = track->run->numbers[i];
     RfPageFrame* figures = track->frames + i;
     RfFlickerFrame* frame = work->ring + i % 2;
-    char path[RF_FILE_NAME_SIZE];
-    const Target to = { work->page, track, number, path };
+    char* path = work->path;
+    work->number = number;
     rf_destroy_flicker_frame( frame );
     work->has_frame[i % 2] = false;
-    if ( !rf_has_page_frame( track->sequence, number ) )
+    if ( !rf_has_page_frame( &track->sequence, number ) )
         return RF_OK;
     bool readable = true;
-    RfResult result = rf_page_frame_path( track->sequence, number, path, error );
+    RfResult result = rf_sequence_input_name( &track->sequence.input, number, path, error );
     if ( result == RF_OK )
         result = find_damage( track, figures, path, &readable, error );
     if ( !readable )
         return result;
     if ( result == RF_OK )
-        result = rf_read_flicker_frame( path, &work->layers, &track->sequence->header, track->sequence->first, frame, error );
+        result = rf_read_flicker_frame( path, &work->layers, &track->sequence.header, track->sequence.first, frame, error );
     if ( result == RF_OK )
-        result = add_blocks( &to, &frame->signal, &figures->has_layers, error );
+        result = add_blocks( work, &frame->signal, &figures->has_layers, error );
     if ( result != RF_OK )
         return result;
     figures->shown = true;
@@ -516,20 +502,20 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     figures->clipped = frame->clipped;
     frame->number = number;
     frame->is_finite = figures->bad == 0;
-    take_said( track->sequence, number, path, figures );
-    if ( track->reference != NULL || track->sequence->is_reference ) // an estimate would not belong there
+    take_said( &track->sequence, number, path, figures );
+    if ( track->reference != NULL || track->sequence.is_reference ) // an estimate would not belong there
     {
         figures->relmse = figures->worst_ten_share = NAN;
         figures->at_least = false;
     }
     RfImage reference = { 0 };
-    if ( track->reference != NULL && rf_has_page_frame( track->reference, number ) )
+    if ( track->reference != NULL && rf_has_page_frame( &track->reference->sequence, number ) )
         result = read_reference( track, number, &reference, error );
     bool has_reference = reference.rgb != NULL;
     if ( result == RF_OK && has_reference )
         result = measure_error( work, figures, frame, &reference, error );
     rf_destroy_image( &reference );
-    work->has_frame[i % 2] = !track->sequence->is_reference && ( has_reference || track->reference == NULL );
+    work->has_frame[i % 2] = !track->sequence.is_reference && ( has_reference || track->reference == NULL );
     return result == RF_OK ? measure_flicker( work, i, error ) : result;
 }
 
@@ -538,7 +524,7 @@ static void sum_up( Work* work )
     RfPageTrack* track = work->track;
     double sum = 0.0;
     int count = 0;
-    for ( int i = 0; i < track->page->count; ++i )
+    for ( int i = 0; i < track->run->count; ++i )
     {
         if ( isnan( track->frames[i].relmse ) )
             continue;
@@ -546,30 +532,38 @@ static void sum_up( Work* work )
         ++count;
     }
     track->estimate = count > 0 && track->reference == NULL ? sum / count : NAN;
-    track->has_error = work->has_summary;
-    if ( work->has_summary )
+    track->has_error = work->errors.frames > 0;
+    if ( track->has_error )
         track->error = rf_summary_metrics( &work->errors );
+}
+
+// False: the work is to stop.
+static bool go_on( RfPageRun* run )
+{
+    rf_show_frame_count( run->quiet, ++run->done, run->all );
+    return !rf_is_interrupted();
 }
 
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
 {
-    const RfPageFrames* all = track->page;
-    RfExrWindow window = rf_page_window( &track->sequence->header );
+    RfPageRun* all = track->run;
+    RfExrWindow window = rf_page_window( &track->sequence.header );
     Work work = { .page = page, .track = track };
     track->frames = malloc( (size_t)all->count * sizeof( RfPageFrame ) );
     if ( track->frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence->input.pattern, all->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence.input.pattern, all->count );
     for ( int i = 0; i < all->count; ++i )
         track->frames[i] = ( RfPageFrame ){
             .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN
         };
-    track->value_factor = rf_values_factor( window.width, window.height, all->values / all->count - BLOCK_BYTES );
+    track->value_factor =
+        rf_values_factor( window.width, window.height, (double)all->values / all->track_count / all->count - BLOCK_BYTES );
     find_layers( &work );
-    RfResult result = find_page_layers( track, error );
+    RfResult result = find_page_layers( &work, error );
     for ( int i = 0; i < all->count && result == RF_OK; ++i )
     {
         result = add_frame( &work, i, error );
-        if ( result == RF_OK && track->frames[i].shown && !all->progress( all->user ) )
+        if ( result == RF_OK && track->frames[i].shown && !go_on( all ) )
             result = rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: no page is written" );
     }
     if ( result == RF_OK && track->picture_width == 0 && track->damage[0] != '\0' )
@@ -578,20 +572,19 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
         sum_up( &work );
     rf_destroy_flicker_frame( work.ring );
     rf_destroy_flicker_frame( work.ring + 1 );
-    if ( work.has_summary )
-        rf_destroy_summary( &work.errors );
+    rf_destroy_summary( &work.errors );
     return result;
 }
 
 json_t* rf_page_missing_json( const RfPageTrack* track )
 {
-    const RfPageFrames* all = track->page;
+    const RfPageRun* all = track->run;
     json_t* list = json_array();
     for ( int i = 0, k = 0; i < all->count || k < all->hole_count; )
     {
         bool is_hole = i == all->count || ( k < all->hole_count && all->holes[k] < all->numbers[i] );
         int number = is_hole ? all->holes[k++] : all->numbers[i++];
-        if ( !rf_has_page_frame( track->sequence, number ) )
+        if ( !rf_has_page_frame( &track->sequence, number ) )
             json_array_append_new( list, json_integer( number ) );
     }
     return list;
@@ -600,10 +593,10 @@ json_t* rf_page_missing_json( const RfPageTrack* track )
 json_t* rf_page_damaged_json( const RfPageTrack* track )
 {
     json_t* list = json_array();
-    for ( int i = 0; i < track->page->count; ++i )
+    for ( int i = 0; i < track->run->count; ++i )
     {
         if ( track->frames[i].damaged )
-            json_array_append_new( list, json_integer( track->page->numbers[i] ) );
+            json_array_append_new( list, json_integer( track->run->numbers[i] ) );
     }
     return list;
 }
@@ -622,5 +615,5 @@ void rf_free_page_track( RfPageTrack* track )
 {
     free_page_layers( &track->layers );
     free( track->frames );
-    track->frames = NULL;
+    rf_close_page_sequence( &track->sequence );
 }

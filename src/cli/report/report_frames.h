@@ -10,26 +10,13 @@
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
 #include "cli/report/report_input.h"
+#include "cli/view/view.h"
 #include "measure/flicker.h"
 #include "measure/image_error.h"
-#include "page/matte_names.h"
 #include "page/page.h"
 #include "page/pass_groups.h"
 
 #include <jansson.h>
-
-// What all sequences of a page share.
-typedef struct RfPageFrames
-{
-    int* numbers; // of the page's frames, ascending
-    int count;
-    int* holes; // between them, that no sequence has
-    int hole_count;
-    int width;                        // pictures are no wider; 0: as they are
-    double values, layers;            // bytes that scene values and passes of a sequence may take
-    bool ( *progress )( void* user ); // called after each picture; false stops the work (RF_ERROR_INTERRUPTED)
-    void* user;
-} RfPageFrames;
 
 typedef struct RfPageLayers
 {
@@ -58,12 +45,13 @@ typedef struct RfPageFrame
     size_t clipped;            // pixels at the end of the range of the file's channels, or beyond as its header says
 } RfPageFrame;
 
+// A sequence of the page.
 typedef struct RfPageTrack
 {
-    const RfPageFrames* page;
-    const RfPageSequence* sequence;
-    const RfPageSequence* reference; // or NULL: none, or this is the reference
-    int index;                       // of the sequence on the page
+    RfPageSequence sequence;
+    struct RfPageRun* run;
+    const struct RfPageTrack* reference; // or NULL: none, or this is the reference
+    int index;                           // on the page
 
     RfPageLayers layers;
     RfPageFrame* frames; // of the page
@@ -79,7 +67,39 @@ typedef struct RfPageTrack
     double estimate; // mean of the estimates of relMSE; NaN: none
 } RfPageTrack;
 
-// Adds the frames that the sequence has to the page. rf_free_page_track in any case.
+#define RF_PAGE_MOST_SEQUENCES 8 // on one page, without the reference
+
+// A run of `report`: what was asked for, and what goes to the page.
+typedef struct RfPageRun
+{
+    const char* places[RF_PAGE_MOST_SEQUENCES];
+    int place_count;
+    const char* output;
+    const char* reference; // this and the next may be NULL
+    const char* layer;     // NULL: the colour
+    const char* reference_layer;
+    const char* render_file;
+    const char* frame_list;
+    const char* title;
+    RfFps fps;
+    RfViewOptions view;
+    int width;             // pictures are no wider; 0: as they are
+    size_t values, passes; // bytes of the page that scene values and pictures of passes may take
+    bool overwrite, quiet;
+    const char* json;
+
+    RfPageTrack tracks[RF_PAGE_MOST_SEQUENCES + 1]; // the reference is the last
+    int track_count;
+    int* numbers; // of the page's frames, ascending
+    int count;
+    int* holes; // between them, that no sequence has
+    int hole_count;
+    RfViewText shown;     // as chosen; without a transform: by the sRGB curve
+    int done, all;        // pictures
+    char own_title[1024]; // where none is given
+} RfPageRun;
+
+// Adds the frames that an open sequence has to the page. rf_free_page_track in any case.
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error );
 void rf_free_page_track( RfPageTrack* track );
 

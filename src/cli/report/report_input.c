@@ -10,7 +10,6 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #define MOST_FRAMES 1000000 // of all ranges; a path has no more
 #define MOST_JSON_BYTES ( (uint64_t)64 << 20 )
@@ -50,42 +49,26 @@ static void keep_first( json_t** first, json_t* json )
         *first = json_incref( json );
 }
 
-static bool take_number( const char** text, long* number )
-{
-    char* end;
-    *number = strtol( *text, &end, 10 );
-    bool good = end != *text && labs( *number ) <= MOST_FRAMES * 100L;
-    *text = end;
-    return good;
-}
-
 // Counts the frames of "1-9,12,20-30x2" or "@-3-3" and those of them that are there; the others are appended to `left`. -1: it is
 // no such text.
 static int count_frames( const char* text, long step, const RfPageSequence* there, int* finished, json_t* left )
 {
-    int count = 0;
-    while ( *text != '\0' )
+    for ( int count = 0;; ++text )
     {
-        long first, last, apart = step;
-        text += *text == '@';
-        if ( !take_number( &text, &first ) )
+        RfFrameRange range;
+        if ( !rf_take_frame_range( &text, step, &range ) || range.first != (int)range.first || range.last != (int)range.last ||
+             range.last < range.first || ( range.last - range.first ) / range.step > MOST_FRAMES - count )
             return -1;
-        last = first;
-        if ( *text == '-' && ( ++text, !take_number( &text, &last ) ) )
-            return -1;
-        if ( *text == 'x' && ( ++text, !take_number( &text, &apart ) ) )
-            return -1;
-        if ( apart < 1 || last < first || ( last - first ) / apart > MOST_FRAMES - count || ( *text != '\0' && *text++ != ',' ) )
-            return -1;
-        for ( long frame = first; frame <= last; frame += apart, ++count )
+        for ( long frame = range.first; frame <= range.last; frame += range.step, ++count )
         {
             bool is_there = rf_has_page_frame( there, (int)frame );
             *finished += is_there;
             if ( !is_there )
                 json_array_append_new( left, json_integer( frame ) );
         }
+        if ( *text == '\0' )
+            return count;
     }
-    return count;
 }
 
 // What the plan of a sequence has become; NULL: its ranges are not what we write.
@@ -237,7 +220,7 @@ RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequ
     snprintf( sequence->name, sizeof sequence->name, "%.255s", basename( copy ) );
     RfResult result = find_frames( place, sequence, error );
     if ( result == RF_OK )
-        result = rf_page_frame_path( sequence, sequence->input.frames[0], sequence->first, error );
+        result = rf_sequence_input_name( &sequence->input, sequence->input.frames[0], sequence->first, error );
     if ( result == RF_OK )
         sequence->layer = rf_layer_of_file( sequence->first, layer, sequence->layer_text );
     if ( result == RF_OK )
@@ -264,14 +247,6 @@ bool rf_has_page_frame( const RfPageSequence* sequence, int frame )
 {
     const RfSequenceInput* input = &sequence->input;
     return bsearch( &frame, input->frames, (size_t)input->count, sizeof( int ), rf_compare_frames ) != NULL;
-}
-
-RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_FILE_NAME_SIZE], RfError* error )
-{
-    if ( sequence->input.is_sequence )
-        return rf_sequence_name( sequence->input.pattern, frame, path, RF_FILE_NAME_SIZE, error );
-    snprintf( path, RF_FILE_NAME_SIZE, "%s", sequence->input.pattern );
-    return RF_OK;
 }
 
 static int64_t at_least( int64_t a, int64_t b ) { return a > b ? a : b; }

@@ -8,8 +8,6 @@
 #include "page/pass_groups.h"
 
 #include <jansson.h>
-#include <stdbool.h>
-#include <stddef.h>
 
 typedef struct RfPageSequence
 {
@@ -35,9 +33,6 @@ RfResult rf_load_render_json( const char* path, const char* option, json_t** jso
 
 // Is the frame there?
 bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
-
-// The file of a frame.
-RfResult rf_page_frame_path( const RfPageSequence* sequence, int frame, char path[RF_FILE_NAME_SIZE], RfError* error );
 
 // What the page shows of the data window, in its pixels: what lies in the display window, without overscan; all where nothing does.
 RfExrWindow rf_page_window( const RfExrHeader* header );

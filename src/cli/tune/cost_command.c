@@ -3,49 +3,39 @@
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/options/render_options.h"
-#include "cli/options/shot.h"
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
-#include "cli/tune/verdict.h"
+#include "cli/tune/trial_command.h"
 #include "measure/cost.h"
 #include "measure/plot.h"
-#include "base/json.h"
 #include "scene/leave_out.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define COST_ERRORS 16
 
-typedef struct CostOptions
+// The numbers of an option, as the user wrote it, and parsed.
+typedef struct Goals
 {
-    RfRenderOptions render;     // without output
-    double budget;              // seconds
-    const char* noise;          // as the user wrote it
-    double errors[COST_ERRORS]; // relMSE, as parsed from `noise`
-    int error_count;
-    const char* flicker;          // NULL: none
-    double flickers[COST_ERRORS]; // F1, as parsed from it
-    int flicker_count;
-    const char* svg; // NULL: none
-} CostOptions;
+    const char* text; // NULL: none
+    double values[COST_ERRORS];
+    int count;
+} Goals;
+
+static RfTrialOptions s_given;   // the table points here, and to the goals
+static Goals s_noise, s_flicker; // relMSE, F1
 
 typedef struct Job
 {
-    int argc;
-    char** argv;
-    bool help; // was asked for
-    CostOptions options;
-    RfLoadedShot shot; // options may point into it
+    RfTrialCommand command;
     RfCostJob asked;
     RfCost cost;
     int threads;
-    int per_sweep[2];           // frames of a sweep, by path tracing and with reuse
-    double start, load_seconds; // until rays can be traced: part of a render of all frames
+    int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
+    double load_seconds; // until rays can be traced: part of a render of all frames
 } Job;
 
 typedef struct NoiseText
@@ -209,9 +199,9 @@ static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
     snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
-    if ( r->options.error_count == 0 )
+    if ( s_noise.count == 0 )
         return;
-    Goal goal = noise_goal( r->options.errors[0] );
+    Goal goal = noise_goal( s_noise.values[0] );
     Price exact = exact_price( r, goal, 1 ), clamped = clamped_price( r, goal );
     char wanted[64], frame[32];
     format_goal( goal, wanted, sizeof wanted );
@@ -226,8 +216,9 @@ static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
                    frame, 100.0 * clamped.clamp->missing );
 }
 
-static void print_cost( const Job* r )
+static void print_cost( const void* user )
 {
+    const Job* r = user;
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
@@ -239,27 +230,20 @@ static void print_cost( const Job* r )
     print_rows( &cost->reuse, name );
     print_clamped( r );
     printf( "seconds: of a frame of %dx%d with %d threads, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
-            r->options.render.size.width, r->options.render.size.height, r->threads, cost->pixels, cost->positions,
+            s_given.render.size.width, s_given.render.size.height, r->threads, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
     print_slope( &cost->plain, "path tracing" );
     print_slope( &cost->reuse, name );
-    for ( int i = 0; i < r->options.error_count; ++i )
-        print_goal( r, noise_goal( r->options.errors[i] ) );
-    for ( int i = 0; i < r->options.flicker_count; ++i )
-        print_goal( r, flicker_goal( r->options.flickers[i] ) );
+    for ( int i = 0; i < s_noise.count; ++i )
+        print_goal( r, noise_goal( s_noise.values[i] ) );
+    for ( int i = 0; i < s_flicker.count; ++i )
+        print_goal( r, flicker_goal( s_flicker.values[i] ) );
 }
 
 static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
 {
-    char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &c->tile, tile );
     for ( int i = 0; i < c->count; ++i )
-    {
-        json_t* row = json_pack( "{s:b, s:i, s:s, s:i}", "reuse", reuse, "group", c->group, "tile", tile, "spp", c->rows[i].spp );
-        json_array_append_new( rows,
-                               RF_SET_FIGURES( row, { "seconds", c->rows[i].seconds }, { "cpu_seconds", c->rows[i].cpu_seconds },
-                                               { "relmse", c->rows[i].relmse } ) );
-    }
+        json_array_append_new( rows, rf_trial_row_json( json_pack( "{s:b}", "reuse", reuse ), c->rows + i ) );
 }
 
 static json_t* prediction_json( const Job* r, RfCostPrediction p )
@@ -268,7 +252,6 @@ static json_t* prediction_json( const Job* r, RfCostPrediction p )
                            { "frame_seconds", p.frame_seconds }, { "seconds", path_seconds( r, p ) } );
 }
 
-// Of path tracing, and with reuse.
 static json_t* both_json( double plain, double reuse )
 {
     return json_pack( "[o, o]", rf_json_number( plain ), rf_json_number( reuse ) );
@@ -288,18 +271,19 @@ static json_t* goal_json( const Job* r, Goal goal, const char* key )
                       prediction_json( r, predict( r, goal, 1, &r->cost.reuse ) ) );
 }
 
-static json_t* cost_json( const Job* r )
+static json_t* cost_json( const void* user )
 {
+    const Job* r = user;
     const RfCost* cost = &r->cost;
     const RfInterval *reuse = &cost->reuse.slope, *plain = &cost->plain.slope, *speedup = &cost->speedup;
     json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array(), *clamps = json_array();
     char verdict[RF_VERDICT_SIZE];
     add_rows( rows, &cost->plain, false );
     add_rows( rows, &cost->reuse, true );
-    for ( int i = 0; i < r->options.error_count; ++i )
-        json_array_append_new( wanted, goal_json( r, noise_goal( r->options.errors[i] ), "relmse" ) );
-    for ( int i = 0; i < r->options.flicker_count; ++i )
-        json_array_append_new( flickers, goal_json( r, flicker_goal( r->options.flickers[i] ), "f1" ) );
+    for ( int i = 0; i < s_noise.count; ++i )
+        json_array_append_new( wanted, goal_json( r, noise_goal( s_noise.values[i] ), "relmse" ) );
+    for ( int i = 0; i < s_flicker.count; ++i )
+        json_array_append_new( flickers, goal_json( r, flicker_goal( s_flicker.values[i] ), "f1" ) );
     for ( const RfCostClamp* c = cost->clamps; c < cost->clamps + cost->clamp_count; ++c )
         json_array_append_new( clamps, RF_SET_FIGURES( json_object(), { "clamp", c->threshold },
                                                        { "relmse_of_one_sample", c->error.value }, { "bias", c->bias },
@@ -307,17 +291,17 @@ static json_t* cost_json( const Job* r )
     format_verdict( r, verdict );
     // the scene, so that `report` can refuse what was measured with another one
     json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "verdict", verdict, "scene",
-                              rf_json_text( r->options.render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers,
+                              rf_json_text( s_given.render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers,
                               "clamps", clamps, "relmse_of_one_sample", both_json( cost->plain.relmse, cost->reuse.relmse ),
                               "f1_squared_of_one_sample", both_json( cost->plain.f1_squared, cost->reuse.f1_squared ), "width",
-                              r->options.render.size.width, "height", r->options.render.size.height, "places", cost->positions,
+                              s_given.render.size.width, "height", s_given.render.size.height, "places", cost->positions,
                               "frames", r->asked.shot.frame_count );
     return RF_SET_FIGURES( json, { "slope", reuse->value }, { "slope_low", reuse->low }, { "slope_high", reuse->high },
                            { "slope_plain", plain->value }, { "slope_plain_low", plain->low },
                            { "slope_plain_high", plain->high }, { "speedup_at_equal_error", speedup->value },
                            { "speedup_low", speedup->low }, { "speedup_high", speedup->high }, { "pixels", cost->pixels },
-                           { "seconds", cost->seconds }, { "budget", r->options.budget },
-                           { "beyond_depth_share", r->shot.beyond_depth } );
+                           { "seconds", cost->seconds }, { "budget", s_given.budget },
+                           { "beyond_depth_share", r->command.beyond_depth } );
 }
 
 // The points of a curve and the line fitted to them.
@@ -355,9 +339,9 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
                                   .style = style };
 }
 
-static RfResult write_cost_plot( const Job* r, const char* path, RfError* error )
+static RfResult write_cost_plot( const void* user, const char* path, RfError* error )
 {
-    const RfCost* cost = &r->cost;
+    const RfCost* cost = &( (const Job*)user )->cost;
     Curve plain, reuse;
     RfPlotSeries series[4];
     snprintf( plain.name, sizeof plain.name, "path tracing" );
@@ -367,10 +351,9 @@ static RfResult write_cost_plot( const Job* r, const char* path, RfError* error 
     draw_curve( &cost->plain, 0, &plain, series );
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
     char subtitle[512], gain[160];
-    const char* slash = strrchr( r->options.render.scene, '/' );
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
-    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", slash != NULL ? slash + 1 : r->options.render.scene,
-              r->options.render.size.width, r->options.render.size.height, gain );
+    snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", rf_scene_title( &s_given ), s_given.render.size.width,
+              s_given.render.size.height, gain );
     RfPlot plot = { .title = "Error against render time",
                     .subtitle = subtitle,
                     .series = series,
@@ -384,28 +367,26 @@ static RfResult write_cost_plot( const Job* r, const char* path, RfError* error 
 #define ERRORS "0.1,0.01,0.001"
 
 static const char* const s_files[] = { "SCENE" };
-static CostOptions s_parsed; // the table points here
-
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
-    RF_LENS_OPTIONS( s_parsed.render ),
-    RF_MOVEMENT_OPTIONS( s_parsed.render ),
-    RF_TIME_OPTION( "budget", &s_parsed.budget, 1.0, 1e6, "T",
+    RF_PATH_OPTIONS( s_given.render, "frames to render; a few are measured, the total time is predicted" ),
+    RF_LENS_OPTIONS( s_given.render ),
+    RF_MOVEMENT_OPTIONS( s_given.render ),
+    RF_TIME_OPTION( "budget", &s_given.budget, 1.0, 1e6, "T",
                     "time to spend, in seconds or as 5m; more time narrows the intervals" ),
-    RF_TEXT_OPTION( "noise", &s_parsed.noise, "E[,...]",
+    RF_TEXT_OPTION( "noise", &s_noise.text, "E[,...]",
                     "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" ),
-    RF_TEXT_OPTION( "flicker", &s_parsed.flicker, "F[,...]", "predict the time to reach each F1 between neighbouring frames" ),
-    RF_FILTER_OPTIONS( s_parsed.render ),
-    RF_PATH_TRACING_OPTIONS( s_parsed.render ),
-    RF_SEED_OPTION( s_parsed.render ),
-    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot error against time, with and without reuse", .writes = ".svg",
+    RF_TEXT_OPTION( "flicker", &s_flicker.text, "F[,...]", "predict the time to reach each F1 between neighbouring frames" ),
+    RF_FILTER_OPTIONS( s_given.render ),
+    RF_PATH_TRACING_OPTIONS( s_given.render ),
+    RF_SEED_OPTION( s_given.render ),
+    RF_TEXT_OPTION( "svg", &s_given.svg, "FILE", "plot error against time, with and without reuse", .writes = ".svg",
                     .heading = RF_HEADING_OUTPUT ),
-    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
-    RF_GROUP_OPTION( s_parsed.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
-    RF_TILE_OPTION( s_parsed.render ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads" ),
-    RF_ESTIMATOR_OPTION( s_parsed.render ),
-    RF_EFFECT_OPTIONS( s_parsed.render ),
+    RF_RESULT_OPTIONS( s_given.render, "write the result as JSON; - for standard output", "no progress" ),
+    RF_GROUP_OPTION( s_given.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
+    RF_TILE_OPTION( s_given.render ),
+    RF_MACHINE_OPTIONS( s_given.render, "threads" ),
+    RF_ESTIMATOR_OPTION( s_given.render ),
+    RF_EFFECT_OPTIONS( s_given.render ),
 };
 
 static const RfCommandTable s_table = {
@@ -417,128 +398,104 @@ static const RfCommandTable s_table = {
 };
 
 // The numbers of an option; those of relMSE may be in percent.
-static RfResult parse_list( const char* name, const char* text, bool is_noise, double values[COST_ERRORS], int* count,
-                            RfError* error )
+static RfResult parse_goals( const char* name, bool is_noise, Goals* goals, RfError* error )
 {
-    const char* all = text;
-    *count = 0;
-    for ( ; text != NULL; )
+    goals->count = 0;
+    for ( const char* text = goals->text; text != NULL; )
     {
         const char* end;
         double value;
         bool is_number = rf_parse_noise( text, &value, &end );
         if ( !is_number || !( value > 0.0 ) || ( *end != ',' && *end != '\0' ) || ( !is_noise && end[-1] == '%' ) )
             return rf_fail( error, RF_ERROR_USAGE, "%s: expected numbers above 0%s with commas between them, got '%s'", name,
-                            is_noise ? ", or percent such as 5%," : "", all );
-        if ( *count == COST_ERRORS )
+                            is_noise ? ", or percent such as 5%," : "", goals->text );
+        if ( goals->count == COST_ERRORS )
             return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, COST_ERRORS );
-        values[( *count )++] = value;
+        goals->values[goals->count++] = value;
         text = *end == '\0' ? NULL : end + 1;
     }
     return RF_OK;
 }
 
-// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
-static RfResult parse( const RfField* defaults, void* user, RfError* error )
+static void reset( void )
 {
-    Job* job = user;
-    s_parsed = ( CostOptions ){ .render = rf_default_render_options(), .budget = BUDGET, .noise = ERRORS };
-    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
+    s_given = ( RfTrialOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
+    s_noise.text = ERRORS;
+    s_flicker.text = NULL;
+}
+
+static RfResult settle( void* user, RfError* error )
+{
+    (void)user;
+    rf_take_estimator_option( &s_given.render );
+    rf_settle_filter( &s_given.render );
+    RfResult result = rf_parse_tile_option( &s_given.render, error );
     if ( result == RF_OK )
-        result = rf_parse_options( &s_table, job->argc, job->argv, &s_parsed.render.scene, &job->help, error );
-    if ( result != RF_OK || job->help )
-        return result;
-    rf_take_estimator_option( &s_parsed.render );
-    rf_settle_filter( &s_parsed.render );
-    result = rf_parse_tile_option( &s_parsed.render, error );
-    if ( result == RF_OK )
-        result = parse_list( "--noise", s_parsed.noise, true, s_parsed.errors, &s_parsed.error_count, error );
-    if ( result == RF_OK )
-        result = parse_list( "--flicker", s_parsed.flicker, false, s_parsed.flickers, &s_parsed.flicker_count, error );
-    job->options = s_parsed;
-    return result;
+        result = parse_goals( "--noise", true, &s_noise, error );
+    return result == RF_OK ? parse_goals( "--flicker", false, &s_flicker, error ) : result;
 }
 
 static void say( void* user, const RfCost* cost, int spp )
 {
-    const Job* job = user;
-    if ( !job->options.render.quiet )
+    (void)user;
+    if ( !s_given.render.quiet )
         fprintf( stderr, "reframe cost: %d spp on %.0f pixels at %d camera position%s\n", spp, cost->pixels, cost->positions,
                  cost->positions == 1 ? "" : "s" );
 }
 
 // Finds how many frames one sweep of a render finishes.
-static RfResult count_per_sweep( Job* job, int number, RfError* error )
+static RfResult count_per_sweep( void* user, RfError* error )
 {
-    RfRenderSettings settings = job->options.render.settings, resolved;
-    settings.group = curve_of( job, number )->group;
-    settings.tile = curve_of( job, number )->tile;
-    RfMemoryFit fit;
-    RfResult result = rf_resolve_settings( &job->asked.shot, &settings, &resolved, error );
-    if ( result == RF_OK )
-        result = rf_fit_memory( &job->asked.shot, &resolved, &fit, error );
-    if ( result != RF_OK )
-        return result;
-    job->per_sweep[number] = fit.sweeps > 1 ? fit.films : job->shot.frame_count;
-    job->threads = fit.threads;
-    return RF_OK;
-}
-
-// Reports what was found so far, also after an interruption.
-static RfResult report( Job* job, RfError* error )
-{
-    const char *json = job->options.render.json, *svg = job->options.svg;
-    RfResult result = count_per_sweep( job, 0, error );
-    if ( result == RF_OK )
-        result = count_per_sweep( job, 1, error );
-    if ( result == RF_OK && rf_prints_text( json ) )
+    Job* job = user;
+    RfResult result = RF_OK;
+    for ( int k = 0; k < 2 && result == RF_OK; ++k )
     {
-        print_cost( job );
-        result = rf_flush_output( error );
+        RfRenderSettings settings = s_given.render.settings, resolved;
+        RfMemoryFit fit = { 0 };
+        settings.group = curve_of( job, k )->group;
+        settings.tile = curve_of( job, k )->tile;
+        result = rf_resolve_settings( &job->asked.shot, &settings, &resolved, error );
+        if ( result == RF_OK )
+            result = rf_fit_memory( &job->asked.shot, &resolved, &fit, error );
+        job->per_sweep[k] = fit.sweeps > 1 ? fit.films : job->asked.shot.frame_count;
+        job->threads = fit.threads;
     }
-    if ( result == RF_OK && svg != NULL )
-        result = write_cost_plot( job, svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, cost_json( job ), error ) : result;
+    return result;
 }
 
-static RfResult run( Job* job, RfError* error )
+static RfResult search( void* user, RfError* error )
 {
-    RfResult result = rf_load_shot( "cost", &job->options.render, parse, job, &job->shot, error );
-    if ( result != RF_OK )
+    static const RfTrialWatch watch = { rf_may_go_on, NULL };
+    Job* job = user;
+    job->load_seconds = rf_wall_seconds() - job->command.start;
+    job->asked = ( RfCostJob ){
+        .shot = job->command.shot, .settings = &s_given.render.settings, .watch = &watch, .report = say, .user = job
+    };
+    if ( s_noise.count > 0 )
+        job->asked.relmse = s_noise.values[s_noise.count / 2];
+    job->asked.budget = rf_budget_left( &job->command, &job->asked.deadline );
+    RfResult result = rf_measure_cost( &job->asked, &job->cost, error );
+    job->command.found = job->cost.reuse.count > 0;
+    if ( result != RF_ERROR_INTERRUPTED )
         return result;
-    job->load_seconds = rf_wall_seconds() - job->start;
-    RfTrialWatch watch = { rf_may_go_on, NULL };
-    job->asked = ( RfCostJob ){ .shot = rf_shot_to_render( &job->shot ),
-                                .settings = &job->options.render.settings,
-                                .watch = &watch,
-                                .report = say,
-                                .user = job };
-    if ( job->options.error_count > 0 )
-        job->asked.relmse = job->options.errors[job->options.error_count / 2];
-    job->asked.budget = rf_budget_left( job->options.budget, job->start, &job->asked.deadline );
-    result = rf_measure_cost( &job->asked, &job->cost, error );
-    if ( result == RF_ERROR_INTERRUPTED && job->cost.reuse.count == 0 )
-        return rf_fail( error, result, "interrupted before the first result" );
-    if ( result != RF_OK && result != RF_ERROR_INTERRUPTED )
-        return result;
-    RfResult reported = report( job, error );
-    return result == RF_OK || reported != RF_OK
-               ? reported
-               : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: the results so far are above" );
+    return rf_fail( error, result,
+                    job->command.found ? "interrupted: the results so far are above" : "interrupted before the first result" );
 }
 
 int rf_command_cost( int argc, char** argv )
 {
-    RfError error;
-    Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds() };
-    RfResult result = parse( NULL, &job, &error );
-    if ( result == RF_OK && job.help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-    {
-        rf_catch_interrupts();
-        result = run( &job, &error );
-    }
-    rf_destroy_shot( &job.shot );
-    return result == RF_OK ? 0 : rf_report_error( "cost", &error );
+    static Job job;
+    job = ( Job ){ .command = { .table = &s_table,
+                                .options = &s_given,
+                                .reset = reset,
+                                .settle = settle,
+                                .search = search,
+                                .finish = count_per_sweep,
+                                .print = print_cost,
+                                .json = cost_json,
+                                .plot = write_cost_plot,
+                                .user = &job,
+                                .argc = argc,
+                                .argv = argv } };
+    return rf_run_trial_command( &job.command );
 }

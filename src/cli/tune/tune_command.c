@@ -1,23 +1,19 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
-#include "base/system.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/render_options.h"
-#include "cli/options/shot.h"
 #include "cli/options/shared_options.h"
 #include "cli/signals.h"
-#include "cli/tune/split_costs.h"
-#include "cli/tune/verdict.h"
+#include "cli/tune/trial_command.h"
 #include "measure/plot.h"
+#include "measure/trial_runs.h"
 #include "measure/tune.h"
-#include "measure/tune_rows.h"
-#include "output/names.h"
 #include "reframe/plan.h"
+#include "reframe/render.h"
 #include "render/settings.h"
-#include "base/json.h"
+#include "scene/light_groups.h"
 
 #include <ctype.h>
 #include <jansson.h>
@@ -26,27 +22,110 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct TuneOptions
+// What it costs to split the light of a render by groups (--light-groups) and passes (--aov emission and so on): memory by the plan, time by
+// short renders with and without.
+
+typedef struct SplitCosts
 {
-    RfRenderOptions render; // without output
-    double budget;          // seconds; 0: nothing is rendered
-    int goal;               // an RfTuneGoal
-    const char* svg;        // NULL: none
-} TuneOptions;
+    int films;                      // more of each frame; 0: nothing is asked for
+    size_t bytes_films, bytes_hits; // more
+    double time_share;              // more time, as a share of that without; NaN: not measured
+} SplitCosts;
+
+#define PIXELS 4096.0 // of each frame that is measured
+#define PASSES 2
+
+static RfRenderSettings without_split( const RfRenderSettings* settings )
+{
+    RfRenderSettings plain = *settings;
+    plain.light_groups = NULL;
+    plain.aovs &= ~RF_PASS_AOVS;
+    return plain;
+}
+
+static RfResult count_films( const RfShot* shot, const RfRenderSettings* settings, int* films, RfError* error )
+{
+    RfLightGroups groups;
+    RfResult result = rf_find_light_groups( rf_tracer_scene( shot->tracer ), settings->light_groups, &groups, error );
+    if ( result != RF_OK )
+        return result;
+    *films = groups.count + __builtin_popcount( settings->aovs & RF_PASS_AOVS );
+    rf_destroy_light_groups( &groups );
+    return RF_OK;
+}
+
+static RfResult measure_time( const RfShot* shot, const RfRenderSettings* settings, const RfRenderSettings* plain, double* share,
+                              RfError* error )
+{
+    RfTestRegion region;
+    RfTrial trials[2] = { 0 };
+    RfTestSite site = { .centre = shot->eye_count / 2, .frames = 2 * settings->group + 1, .pixels = PIXELS };
+    RfResult result = rf_create_test_region( shot, NULL, &site, plain, &region, error );
+    for ( int k = 0; k < 2 && result == RF_OK; ++k )
+    {
+        RfRenderSettings one = rf_trial_settings( k == 0 ? plain : settings );
+        one.threads = 1;
+        result = rf_run_trial( &region, 1, PASSES, &one, trials + k, error );
+    }
+    rf_destroy_test_region( &region );
+    if ( result == RF_OK )
+        *share = rf_trial_sample_seconds( trials + 1 ) / rf_trial_sample_seconds( trials ) - 1.0;
+    return result;
+}
+
+// Of a render of the shot with these settings, whose group is known. `measure`: the time is measured on some pixels.
+static RfResult find_split_costs( const RfShot* shot, const RfRenderSettings* settings, bool measure, SplitCosts* costs,
+                                  RfError* error )
+{
+    RfMemoryFit fit[2];
+    RfRenderSettings plain = without_split( settings );
+    *costs = ( SplitCosts ){ .time_share = (double)NAN };
+    RfResult result = count_films( shot, settings, &costs->films, error );
+    if ( result != RF_OK || costs->films == 0 )
+        return result;
+    result = rf_fit_memory( shot, settings, fit, error );
+    if ( result == RF_OK )
+        result = rf_fit_memory( shot, &plain, fit + 1, error );
+    if ( result != RF_OK )
+        return result;
+    size_t of_batch = fit[0].bytes_hits / (size_t)fit[0].batches - fit[1].bytes_hits / (size_t)fit[1].batches;
+    costs->bytes_films = fit[0].bytes_films > fit[1].bytes_films ? fit[0].bytes_films - fit[1].bytes_films : 0;
+    costs->bytes_hits = of_batch * (size_t)fit[0].batches;
+    return measure ? measure_time( shot, settings, &plain, &costs->time_share, error ) : RF_OK;
+}
+
+static void print_split_costs( const SplitCosts* costs )
+{
+    char time[64] = "time: not measured";
+    if ( costs->films == 0 )
+        return;
+    if ( isfinite( costs->time_share ) )
+        snprintf( time, sizeof time, "%.0f %% more time", 100.0 * fmax( costs->time_share, 0.0 ) );
+    rf_print( "light groups and passes: %d film%s more of each frame, %.1f MiB of films and %.1f MiB of hits more, %s\n",
+              costs->films, costs->films == 1 ? "" : "s", (double)costs->bytes_films / 1048576.0,
+              (double)costs->bytes_hits / 1048576.0, time );
+}
+
+static json_t* split_costs_json( const SplitCosts* costs )
+{
+    if ( costs->films == 0 )
+        return json_null();
+    return json_pack( "{s:i, s:I, s:I, s:o}", "films", costs->films, "bytes_films", (json_int_t)costs->bytes_films, "bytes_hits",
+                      (json_int_t)costs->bytes_hits, "time_share", rf_json_number( costs->time_share ) );
+}
+
+static RfTrialOptions s_given; // the table points here
+static int s_goal;             // an RfTuneGoal
+static bool s_group_given;
 
 typedef struct Job
 {
-    int argc;
-    char** argv;
-    double start;
-    bool help; // was asked for
-    TuneOptions options;
-    RfLoadedShot shot; // options may point into it
+    RfTrialCommand command;
     RfPlan plan;
     RfTune tune;
     RfRanges ranges; // for --nodes; its list is NULL: none
-    char* command;   // of the winner; NULL: there is none
-    RfSplitCosts split;
+    char* best;      // the command line of the winner; NULL: there is none
+    SplitCosts split;
 } Job;
 
 static double fit_mib( const RfMemoryFit* fit )
@@ -59,10 +138,19 @@ static const RfPlanRow* auto_row( const Job* r ) { return r->plan.count > 0 ? r-
 
 static bool at_most( const RfRenderSettings* s ) { return s->noise > 0.0 || s->flicker > 0.0 || s->time > 0.0; }
 
+// Why a row is excluded, with the least budget where it does not fit: "does not fit in memory, needs at least 3M". NULL where it is not.
+static const char* format_excluded( const char* excluded, const RfMemoryFit* fit, char* text, size_t size )
+{
+    if ( excluded == NULL )
+        return NULL;
+    snprintf( text, size, fit->films > 0 ? "%s" : "%s, needs at least %zuM", excluded, rf_whole_mib( fit->least ) );
+    return text;
+}
+
 static void print_group( const RfPlanRow* row )
 {
     char sweeps[32] = "", text[128];
-    const char* excluded = rf_format_excluded( row->excluded, &row->fit, text, sizeof text );
+    const char* excluded = format_excluded( row->excluded, &row->fit, text, sizeof text );
     printf( "%c%5d %7d %5d", row->chosen ? '*' : ' ', row->group, row->eyes, row->spp );
     if ( !rf_plan_row_fits( row ) )
     {
@@ -76,11 +164,10 @@ static void print_group( const RfPlanRow* row )
             row->gain, sweeps, excluded != NULL ? "  not for auto: " : "", excluded != NULL ? excluded : "" );
 }
 
-// What is known without rendering.
 static void print_groups( const Job* r )
 {
     char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &r->options.render.settings.tile, tile );
+    rf_tile_name( &s_given.render.settings.tile, tile );
     if ( r->plan.count == 0 )
         return;
     printf( "%6s %7s %5s %9s %8s %8s %8s %7s %6s %6s\n", "group", "cameras", "spp", "MiB", "films", "hits", "work", "chunks",
@@ -91,14 +178,14 @@ static void print_groups( const Job* r )
             "over the "
             "tile alone\n",
             tile );
-    if ( at_most( &r->options.render.settings ) )
-        printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", r->options.render.settings.spp );
-    if ( rf_has_groups( r->options.render.settings.estimator ) )
+    if ( at_most( &s_given.render.settings ) )
+        printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", s_given.render.settings.spp );
+    if ( rf_has_groups( s_given.render.settings.estimator ) )
         printf( "* --group auto: %s\n", r->plan.why );
     printf( "\n" );
 }
 
-static void print_row( const RfTuneRow* row )
+static void print_row( const RfTrialRow* row )
 {
     char tile[RF_TILE_NAME_SIZE], relmse[RF_FIGURE_SIZE], noise[RF_NOISE_TEXT_SIZE], gain[RF_FIGURE_SIZE], interval[48] = "";
     rf_tile_name( &row->tile, tile );
@@ -121,7 +208,7 @@ static void print_left_out( const RfTune* tune )
     const char* before = "not measured: ";
     for ( int i = 0; i < tune->count; ++i )
     {
-        const RfTuneRow* row = tune->rows + i;
+        const RfTrialRow* row = tune->rows + i;
         int count = 0;
         bool said = row->rounds > 0;
         for ( int k = 0; k < tune->count; ++k )
@@ -152,7 +239,7 @@ static void print_rows( const Job* r )
     printf(
         "seconds: of all %d frames with %d threads; gain: over path tracing (group 0, tile 1) at equal %s; > and ?: the interval "
         "is wider than a factor of 4\n",
-        r->shot.frame_count, tune->rows[0].fit.threads, tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise" );
+        r->command.shot.frame_count, tune->rows[0].fit.threads, tune->goal == RF_TUNE_FLICKER ? "flicker" : "noise" );
     print_left_out( tune );
     printf( "measured in %.1f s:", tune->seconds );
     for ( int i = 0; i < tune->round_count; ++i )
@@ -163,41 +250,41 @@ static void print_rows( const Job* r )
 
 static void append_shot( const Job* r, int spp, char text[RF_VERDICT_SIZE] )
 {
-    rf_append( text, RF_VERDICT_SIZE, "%d frame%s at %dx%d and %d spp: ", r->shot.frame_count,
-               r->shot.frame_count == 1 ? "" : "s", r->options.render.size.width, r->options.render.size.height, spp );
+    rf_append( text, RF_VERDICT_SIZE, "%d frame%s at %dx%d and %d spp: ", r->command.shot.frame_count,
+               r->command.shot.frame_count == 1 ? "" : "s", s_given.render.size.width, s_given.render.size.height, spp );
 }
 
 // What is known without rendering, or in too little time.
 static void format_planned( const Job* r, char text[RF_VERDICT_SIZE] )
 {
     const RfPlanRow* row = auto_row( r );
-    const RfEstimator* estimator = r->options.render.settings.estimator;
+    const RfEstimator* estimator = s_given.render.settings.estimator;
     char name[64], span[32], rest[112] = "; time and noise: --budget 20";
     rf_format_span( r->tune.needed, span, sizeof span );
-    if ( r->options.budget > 0.0 )
+    if ( s_given.budget > 0.0 )
         snprintf( rest, sizeof rest, "; time and noise not known within the budget: needs about %s", span );
     if ( row == NULL )
     {
         snprintf( text, RF_VERDICT_SIZE, "no group with this tile fits in memory\n%s", rest + 2 );
         return;
     }
-    rf_format_reuse( row->eyes, &r->options.render.settings.tile, name, sizeof name );
+    rf_format_reuse( row->eyes, &s_given.render.settings.tile, name, sizeof name );
     snprintf( text, RF_VERDICT_SIZE, "--%s %s: %s\n", rf_has_groups( estimator ) ? "group" : "estimator",
               rf_has_groups( estimator ) ? "auto" : rf_estimator_name( estimator ), name );
     append_shot( r, row->spp, text );
-    rf_append( text, RF_VERDICT_SIZE, "%s%.0f MiB beyond the scene%s", at_most( &r->options.render.settings ) ? "at most " : "",
+    rf_append( text, RF_VERDICT_SIZE, "%s%.0f MiB beyond the scene%s", at_most( &s_given.render.settings ) ? "at most " : "",
                ceil( fit_mib( &row->fit ) ), rest );
 }
 
 // "about 11 min, 419 MiB beyond the scene, about 7.1 % noise (relMSE 0.015)".
-static void append_promise( const Job* r, const RfTuneRow* row, char* text, size_t size )
+static void append_promise( const Job* r, const RfTrialRow* row, char* text, size_t size )
 {
     char all[32], noise[RF_NOISE_TEXT_SIZE];
     bool known = rf_is_known( &row->error );
     double relmse = known ? row->relmse : row->error.low;
     rf_format_span( row->seconds, all, sizeof all );
     rf_format_noise( relmse, noise );
-    rf_append( text, size, "%s %s, %.0f MiB beyond the scene", at_most( &r->options.render.settings ) ? "at most" : "about", all,
+    rf_append( text, size, "%s %s, %.0f MiB beyond the scene", at_most( &s_given.render.settings ) ? "at most" : "about", all,
                ceil( fit_mib( &row->fit ) ) );
     if ( isfinite( relmse ) )
         rf_append( text, size, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise, relmse );
@@ -213,7 +300,7 @@ static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
         format_planned( r, text );
         return;
     }
-    const RfTuneRow* row = r->tune.rows + r->tune.chosen;
+    const RfTrialRow* row = r->tune.rows + r->tune.chosen;
     char name[64], gain[160];
     bool reuse = row->eyes > 1 || row->tile.kind != RF_TILE_NONE, flicker = r->tune.goal == RF_TUNE_FLICKER;
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
@@ -232,7 +319,7 @@ static void print_default( const Job* r )
 {
     for ( int i = 0; i < r->tune.count; ++i )
     {
-        const RfTuneRow* row = r->tune.rows + i;
+        const RfTrialRow* row = r->tune.rows + i;
         char name[64], promise[256] = "";
         if ( !row->usual || row->rounds == 0 || row->chosen )
             continue;
@@ -242,8 +329,9 @@ static void print_default( const Job* r )
     }
 }
 
-static void print_tune( const Job* r )
+static void print_tune( const void* user )
 {
+    const Job* r = user;
     char verdict[RF_VERDICT_SIZE];
     format_verdict( r, verdict );
     printf( "%s\n\n", verdict );
@@ -253,56 +341,54 @@ static void print_tune( const Job* r )
         print_rows( r );
         print_default( r );
     }
-    rf_print_split_costs( &r->split );
-    if ( r->command != NULL )
-        printf( "* best:\n%s\n", r->command );
+    print_split_costs( &r->split );
+    if ( r->best != NULL )
+        printf( "* best:\n%s\n", r->best );
     if ( r->ranges.list != NULL )
         rf_print_ranges( &r->ranges );
 }
 
-static json_t* memory_json( int group, int eyes, const RfTile* tile, int spp, const RfMemoryFit* fit, const char* excluded )
+static json_t* memory_json( json_t* object, const RfMemoryFit* fit, const char* excluded )
 {
-    char name[RF_TILE_NAME_SIZE], text[128];
-    rf_tile_name( tile, name );
-    return json_pack( "{s:i, s:i, s:s, s:i, s:I, s:I, s:I, s:I, s:i, s:i, s:s?}", "group", group, "eyes", eyes, "tile", name,
-                      "spp", spp, "bytes_films", (json_int_t)fit->bytes_films, "bytes_hits", (json_int_t)fit->bytes_hits,
-                      "bytes_lists", (json_int_t)fit->bytes_lists, "bytes_least", (json_int_t)fit->least, "chunks", fit->chunks,
-                      "sweeps", fit->sweeps, "excluded", rf_format_excluded( excluded, fit, text, sizeof text ) );
+    char text[128];
+    return rf_json_add( object, "{s:I, s:I, s:I, s:I, s:i, s:i, s:s?}", "bytes_films", (json_int_t)fit->bytes_films, "bytes_hits",
+                        (json_int_t)fit->bytes_hits, "bytes_lists", (json_int_t)fit->bytes_lists, "bytes_least",
+                        (json_int_t)fit->least, "chunks", fit->chunks, "sweeps", fit->sweeps, "excluded",
+                        format_excluded( excluded, fit, text, sizeof text ) );
 }
 
-static json_t* group_json( const RfPlanRow* row, const RfTile* tile )
+static json_t* group_json( const RfPlanRow* row, const char* tile )
 {
-    json_t* json = memory_json( row->group, row->eyes, tile, row->spp, &row->fit, row->excluded );
+    json_t* json = json_pack( "{s:i, s:i, s:s, s:i}", "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp );
+    memory_json( json, &row->fit, row->excluded );
     json_object_set_new( json, "rays",
                          RF_SET_FIGURES( json_object(), { "primary", row->rays_primary }, { "path", row->rays_path },
                                          { "shadow", row->rays_shadow }, { "tile", row->rays_tile }, { "eye", row->rays_eye } ) );
     RF_SET_FIGURES( json, { "reach", row->reach }, { "predicted_gain", row->gain } );
-    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
-    return json;
+    return rf_json_add( json, "{s:b}", "chosen", row->chosen );
 }
 
-static json_t* row_json( const RfTuneRow* row )
+static json_t* row_json( const RfTrialRow* row )
 {
-    json_t* json = memory_json( row->group, row->eyes, &row->tile, row->spp, &row->fit, row->excluded );
-    RF_SET_FIGURES( json, { "predicted_gain", row->predicted_gain }, { "seconds", row->seconds },
-                    { "cpu_seconds", row->cpu_seconds }, { "relmse", row->relmse }, { "relmse_low", row->error.low },
+    json_t* json = memory_json( json_pack( "{s:i}", "eyes", row->eyes ), &row->fit, row->excluded );
+    RF_SET_FIGURES( rf_trial_row_json( json, row ), { "predicted_gain", row->predicted_gain }, { "relmse_low", row->error.low },
                     { "relmse_high", row->error.high }, { "flicker", row->f1 }, { "phi", row->phi },
                     { "efficiency", row->efficiency }, { "gain", row->gain.value }, { "gain_low", row->gain.low },
                     { "gain_high", row->gain.high } );
-    json_object_set_new( json, "rounds", json_integer( row->rounds ) );
-    json_object_set_new( json, "default", json_boolean( row->usual ) );
-    json_object_set_new( json, "chosen", json_boolean( row->chosen ) );
-    return json;
+    return rf_json_add( json, "{s:i, s:b, s:b}", "rounds", row->rounds, "default", row->usual, "chosen", row->chosen );
 }
 
-static json_t* tune_json( const Job* r )
+static json_t* tune_json( const void* user )
 {
+    const Job* r = user;
     const RfPlan* plan = &r->plan;
-    const RfRenderSettings* settings = &r->options.render.settings;
-    RfSize size = r->options.render.size;
+    const RfRenderSettings* settings = &s_given.render.settings;
+    RfSize size = s_given.render.size;
     json_t *groups = json_array(), *rows = json_array(), *rounds = json_array();
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &settings->tile, tile );
     for ( int i = 0; i < plan->count; ++i )
-        json_array_append_new( groups, group_json( plan->rows + i, &settings->tile ) );
+        json_array_append_new( groups, group_json( plan->rows + i, tile ) );
     for ( int i = 0; i < r->tune.count; ++i )
         json_array_append_new( rows, row_json( r->tune.rows + i ) );
     for ( int i = 0; i < r->tune.round_count; ++i )
@@ -319,13 +405,10 @@ static json_t* tune_json( const Job* r )
         json_pack( "{s:s, s:s, s:o, s:o, s:o, s:s, s:s, s:b, s:o, s:f, s:f, s:i, s:i, s:i, s:o}", "verdict", verdict, "goal",
                    r->tune.goal == RF_TUNE_FLICKER ? "flicker" : "noise", "groups", groups, "rows", rows, "rounds", rounds, "why",
                    plan->why, "adaptive_mode", rf_adaptive_name( plan->adaptive ), "at_most", at_most( settings ), "bytes_record",
-                   record, "seconds", r->tune.seconds, "budget", r->options.budget, "frames", r->shot.frame_count, "width",
-                   size.width, "height", size.height, "command", r->command != NULL ? rf_json_text( r->command ) : json_null() );
-    json_object_set_new( json, "beyond_depth_share", rf_json_number( r->shot.beyond_depth ) );
-    json_object_set_new( json, "split_light", rf_split_costs_json( &r->split ) );
-    if ( r->ranges.list != NULL )
-        json_object_set_new( json, "nodes", rf_ranges_json( &r->ranges ) );
-    return json;
+                   record, "seconds", r->tune.seconds, "budget", s_given.budget, "frames", r->command.shot.frame_count, "width",
+                   size.width, "height", size.height, "command", r->best != NULL ? rf_json_text( r->best ) : json_null() );
+    return rf_json_add( json, "{s:o, s:o, s:o*}", "beyond_depth_share", rf_json_number( r->command.beyond_depth ), "split_light",
+                        split_costs_json( &r->split ), "nodes", r->ranges.list != NULL ? rf_ranges_json( &r->ranges ) : NULL );
 }
 
 typedef struct Curves
@@ -344,7 +427,7 @@ static void collect( const RfTune* tune, Curves* c )
     c->count = 0;
     for ( int i = 0; i < tune->count; ++i )
     {
-        const RfTuneRow* row = tune->rows + i;
+        const RfTrialRow* row = tune->rows + i;
         bool first = i == 0 || memcmp( &row->tile, &tune->rows[i - 1].tile, sizeof row->tile ) != 0;
         if ( first )
         {
@@ -369,16 +452,16 @@ static void collect( const RfTune* tune, Curves* c )
     }
 }
 
-static RfResult write_tune_plot( const Job* r, const char* path, RfError* error )
+static RfResult write_tune_plot( const void* user, const char* path, RfError* error )
 {
+    const Job* r = user;
     const RfTune* tune = &r->tune;
     Curves curves = { 0 };
     collect( tune, &curves );
     char subtitle[512], note[64] = "", tile[RF_TILE_NAME_SIZE];
-    const RfRenderOptions* o = &r->options.render;
-    const char* slash = strrchr( o->scene, '/' );
+    const RfRenderOptions* o = &s_given.render;
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d, %d frames; numbers are the group's half-width N",
-              slash != NULL ? slash + 1 : o->scene, o->size.width, o->size.height, r->shot.frame_count );
+              rf_scene_title( &s_given ), o->size.width, o->size.height, r->command.shot.frame_count );
     RfPlot plot = { .title = "Efficiency against memory",
                     .subtitle = subtitle,
                     .series = curves.series,
@@ -390,7 +473,7 @@ static RfResult write_tune_plot( const Job* r, const char* path, RfError* error 
     RfPlotNote best;
     if ( tune->chosen >= 0 )
     {
-        const RfTuneRow* row = tune->rows + tune->chosen;
+        const RfTrialRow* row = tune->rows + tune->chosen;
         rf_tile_name( &row->tile, tile );
         snprintf( note, sizeof note, "group %d, tile %s", row->group, tile );
         best = ( RfPlotNote ){ fit_mib( &row->fit ), row->efficiency, note };
@@ -404,45 +487,42 @@ static RfResult write_tune_plot( const Job* r, const char* path, RfError* error 
 
 static const char* const s_goals[] = { "noise", "flicker", NULL }; // in the order of RfTuneGoal
 static const char* const s_files[] = { "SCENE" };
-static TuneOptions s_parsed; // the table points here
-static bool s_group_given;
 
 static const RfOption s_options[] = {
-    RF_PATH_OPTIONS( s_parsed.render, "frames to render; a few are measured, the total time is predicted" ),
-    RF_LENS_OPTIONS( s_parsed.render ),
-    RF_MOVEMENT_OPTIONS( s_parsed.render ),
+    RF_PATH_OPTIONS( s_given.render, "frames to render; a few are measured, the total time is predicted" ),
+    RF_LENS_OPTIONS( s_given.render ),
+    RF_MOVEMENT_OPTIONS( s_given.render ),
     RF_TIME_OPTION(
-        "budget", &s_parsed.budget, 0.0, 1e6, "T",
+        "budget", &s_given.budget, 0.0, 1e6, "T",
         "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
         "the table of groups" ),
-    RF_CHOICE_OPTION( "goal", &s_parsed.goal, s_goals,
-                      "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" ),
-    RF_STOP_OPTIONS( s_parsed.render,
+    RF_CHOICE_OPTION( "goal", &s_goal, s_goals, "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" ),
+    RF_STOP_OPTIONS( s_given.render,
                      "of a render that stops at this relMSE, or noise in percent: its memory; time and rays are upper limits, "
                      "cost --noise predicts them",
                      "the same for a render that stops at this F1",
                      "the same for a render that stops after this time per frame" ),
-    RF_ADAPTIVE_OPTION( s_parsed.render, "include the memory for extra samples; their time is not predicted" ),
-    RF_CLAMP_OPTION( s_parsed.render, "include the memory of a clamp; cost says what it saves" ),
-    RF_FILTER_OPTIONS( s_parsed.render ),
-    RF_PATH_TRACING_OPTIONS( s_parsed.render ),
-    RF_SEED_OPTION( s_parsed.render ),
-    RF_AOV_OPTION( s_parsed.render, "additional layers, which take memory:" ),
-    RF_CRYPTOMATTE_OPTION( s_parsed.render, "count the memory of Cryptomatte of these kinds:" ),
-    RF_LIGHT_GROUPS_OPTION( s_parsed.render, "say what layers of light groups cost:" ),
-    RF_TEXT_OPTION( "svg", &s_parsed.svg, "FILE", "plot efficiency against memory, one line per tile", .writes = ".svg",
+    RF_ADAPTIVE_OPTION( s_given.render, "include the memory for extra samples; their time is not predicted" ),
+    RF_CLAMP_OPTION( s_given.render, "include the memory of a clamp; cost says what it saves" ),
+    RF_FILTER_OPTIONS( s_given.render ),
+    RF_PATH_TRACING_OPTIONS( s_given.render ),
+    RF_SEED_OPTION( s_given.render ),
+    RF_AOV_OPTION( s_given.render, "additional layers, which take memory:" ),
+    RF_CRYPTOMATTE_OPTION( s_given.render, "count the memory of Cryptomatte of these kinds:" ),
+    RF_LIGHT_GROUPS_OPTION( s_given.render, "say what layers of light groups cost:" ),
+    RF_TEXT_OPTION( "svg", &s_given.svg, "FILE", "plot efficiency against memory, one line per tile", .writes = ".svg",
                     .heading = RF_HEADING_OUTPUT ),
-    RF_RESULT_OPTIONS( s_parsed.render, "write the result as JSON; - for standard output", "no progress" ),
-    RF_INT_OPTION( "group", &s_parsed.render.settings.group, 0, RF_MAX_GROUP, "N|auto",
+    RF_RESULT_OPTIONS( s_given.render, "write the result as JSON; - for standard output", "no progress" ),
+    RF_INT_OPTION( "group", &s_given.render.settings.group, 0, RF_MAX_GROUP, "N|auto",
                    "group size assumed when frames are split over --nodes", .keyword = "auto", .keyword_value = RF_GROUP_AUTO,
                    .given = &s_group_given, .default_text = "the scene file's, else auto", .heading = RF_HEADING_PERFORMANCE ),
-    RF_TEXT_OPTION( "tile", &s_parsed.render.tile, "WxH|rooksN|1", "tile of the table of groups; the renders try others, too",
+    RF_TEXT_OPTION( "tile", &s_given.render.tile, "WxH|rooksN|1", "tile of the table of groups; the renders try others, too",
                     .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE ),
-    RF_MACHINE_OPTIONS( s_parsed.render, "threads; each measures one setting at a time" ),
-    RF_NODES_OPTION( s_parsed.render, "also split the frames into ranges for N machines, and report the overhead" ),
-    RF_ESTIMATOR_OPTION( s_parsed.render ),
-    RF_WEIGHT_OPTIONS( s_parsed.render ),
-    RF_EFFECT_OPTIONS( s_parsed.render ),
+    RF_MACHINE_OPTIONS( s_given.render, "threads; each measures one setting at a time" ),
+    RF_NODES_OPTION( s_given.render, "also split the frames into ranges for N machines, and report the overhead" ),
+    RF_ESTIMATOR_OPTION( s_given.render ),
+    RF_WEIGHT_OPTIONS( s_given.render ),
+    RF_EFFECT_OPTIONS( s_given.render ),
 };
 
 static const RfCommandTable s_table = { .command = "tune",
@@ -453,21 +533,19 @@ static const RfCommandTable s_table = { .command = "tune",
                                             "SCENE and options are those of render.",
                                         RF_TABLE_ROWS( s_files, s_options ) };
 
-// Parses the command line over a scene file's defaults, or with NULL over ours, and checks what can be checked without the scene.
-static RfResult parse( const RfField* defaults, void* user, RfError* error )
+static void reset( void )
 {
-    Job* job = user;
     s_group_given = false;
-    s_parsed = ( TuneOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
-    RfResult result = defaults != NULL ? rf_read_render_defaults( defaults, &s_parsed.render ) : RF_OK;
-    if ( result == RF_OK )
-        result = rf_parse_options( &s_table, job->argc, job->argv, &s_parsed.render.scene, &job->help, error );
-    if ( result != RF_OK || job->help )
-        return result;
-    if ( s_group_given && s_parsed.render.nodes == 0 )
+    s_goal = 0;
+    s_given = ( RfTrialOptions ){ .render = rf_default_render_options(), .budget = BUDGET };
+}
+
+static RfResult settle( void* user, RfError* error )
+{
+    (void)user;
+    if ( s_group_given && s_given.render.nodes == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--group: needs --nodes; without it the tables have rows for each group" );
-    job->options = s_parsed;
-    return rf_settle_render_options( &job->options.render, error );
+    return rf_settle_render_options( &s_given.render, error );
 }
 
 static bool is_plain( const char* text )
@@ -554,8 +632,8 @@ static void print_options( FILE* file, int argc, char** argv )
 // The best setting's estimator, where another one than the default was asked for; else NULL.
 static const RfEstimator* named_estimator( const Job* job )
 {
-    const RfEstimator *usual = rf_default_render_settings().estimator, *asked = job->options.render.settings.estimator;
-    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
+    const RfEstimator *usual = rf_default_render_settings().estimator, *asked = s_given.render.settings.estimator;
+    const RfTrialRow* best = job->tune.rows + job->tune.chosen;
     return asked == usual ? NULL : best->tile.kind == RF_TILE_NONE ? usual : asked;
 }
 
@@ -569,8 +647,8 @@ static char* tuned_command( const Job* job )
     FILE* file = job->tune.chosen >= 0 ? open_memstream( &text, &size ) : NULL;
     if ( file == NULL )
         return NULL;
-    const char* scene = job->options.render.scene;
-    const RfTuneRow* best = job->tune.rows + job->tune.chosen;
+    const char* scene = s_given.render.scene;
+    const RfTrialRow* best = job->tune.rows + job->tune.chosen;
     const RfEstimator* estimator = named_estimator( job );
     rf_tile_name( &best->tile, tile );
     fputs( "reframe render", file );
@@ -579,7 +657,7 @@ static char* tuned_command( const Job* job )
     fprintf( file, " -o out/frame.####.exr --group %d --tile %s", best->group, tile );
     if ( estimator != NULL )
         fprintf( file, " --estimator %s", rf_estimator_name( estimator ) );
-    print_options( file, job->argc, job->argv );
+    print_options( file, job->command.argc, job->command.argv );
     if ( scene[0] == '-' )
     {
         fputs( " --", file );
@@ -593,110 +671,89 @@ static char* tuned_command( const Job* job )
 
 static void say( void* user, const RfTune* tune, const RfTuneRound* round, int candidates )
 {
-    const Job* job = user;
-    if ( !job->options.render.quiet )
+    (void)user;
+    if ( !s_given.render.quiet )
         fprintf( stderr, "reframe tune: round %d: %d settings on %.0f pixels at %d camera position%s, about %.0f s\n",
                  tune->round_count + 1, candidates, round->pixels, round->regions, round->regions == 1 ? "" : "s",
                  round->seconds );
 }
 
-// Of the best setting, or of what the plan chooses.
-static RfResult find_split_costs( Job* job, RfError* error )
+// The command line of the best setting, and what layers of light cost with it or with what the plan chooses.
+static RfResult finish( void* user, RfError* error )
 {
-    RfRenderSettings asked = job->options.render.settings, settings;
-    RfShot shot = rf_shot_to_render( &job->shot );
-    const RfTuneRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
+    Job* job = user;
+    RfRenderSettings asked = s_given.render.settings, settings;
+    const RfTrialRow* best = job->tune.chosen >= 0 ? job->tune.rows + job->tune.chosen : NULL;
+    job->best = tuned_command( job );
     if ( ( asked.light_groups == NULL && ( asked.aovs & RF_PASS_AOVS ) == 0 ) || ( best == NULL && job->plan.count == 0 ) )
         return RF_OK;
     asked.group = best != NULL ? best->group : job->plan.rows[job->plan.chosen].group;
     asked.tile = best != NULL ? best->tile : asked.tile;
-    RfResult result = rf_resolve_settings( &shot, &asked, &settings, error );
-    return result == RF_OK ? rf_find_split_costs( &shot, &settings, best != NULL, &job->split, error ) : result;
-}
-
-// Reports what was found so far, also after an interruption.
-static RfResult report( Job* job, RfError* error )
-{
-    const char *json = job->options.render.json, *svg = job->options.svg;
-    job->command = tuned_command( job );
-    RfResult result = find_split_costs( job, error );
-    if ( result == RF_OK && rf_prints_text( json ) )
-    {
-        print_tune( job );
-        result = rf_flush_output( error );
-    }
-    if ( result == RF_OK && svg != NULL )
-        result = write_tune_plot( job, svg, error );
-    return result == RF_OK && json != NULL ? rf_write_json( json, tune_json( job ), error ) : result;
+    RfResult result = rf_resolve_settings( &job->command.shot, &asked, &settings, error );
+    return result == RF_OK ? find_split_costs( &job->command.shot, &settings, best != NULL, &job->split, error ) : result;
 }
 
 // What is known without rendering. With short renders another tile may fit where this one does not.
 static RfResult make_plan( Job* job, RfError* error )
 {
-    RfRenderSettings settings = job->options.render.settings;
-    RfShot shot = rf_shot_to_render( &job->shot );
-    RfResult result = rf_plan_render( &shot, &settings, &job->plan, error );
-    if ( result == RF_ERROR_MEMORY && job->options.budget > 0.0 )
+    const RfTrialCommand* c = &job->command;
+    RfRenderSettings settings = s_given.render.settings;
+    RfResult result = rf_plan_render( &c->shot, &settings, &job->plan, error );
+    if ( result == RF_ERROR_MEMORY && s_given.budget > 0.0 )
     {
         job->plan = ( RfPlan ){ .adaptive = settings.adaptive };
         result = RF_OK;
     }
-    if ( result != RF_OK || job->options.render.nodes == 0 )
+    if ( result != RF_OK || s_given.render.nodes == 0 )
         return result;
     if ( settings.group == RF_GROUP_AUTO )
         settings.group = job->plan.rows[job->plan.chosen].group;
-    RfDividedFrames frames = { job->shot.asked,     job->shot.asked_runs, job->shot.asked_count,
-                               job->shot.path.step, job->shot.path.count, job->shot.path.eyes };
-    return rf_cut_ranges( job->options.render.nodes, &frames, &settings, &job->ranges, error );
+    RfDividedFrames frames = { c->asked, c->asked_runs, c->asked_count, c->path.step, c->path.count, c->path.eyes };
+    return rf_cut_ranges( s_given.render.nodes, &frames, &settings, &job->ranges, error );
 }
 
-static RfResult search( Job* job, RfError* error )
+static RfResult search( void* user, RfError* error )
 {
-    RfTrialWatch watch = { rf_may_go_on, NULL };
-    RfTuneJob tune = { .shot = rf_shot_to_render( &job->shot ),
-                       .settings = &job->options.render.settings,
-                       .goal = (RfTuneGoal)job->options.goal,
+    static const RfTrialWatch watch = { rf_may_go_on, NULL };
+    Job* job = user;
+    RfTuneJob tune = { .shot = job->command.shot,
+                       .settings = &s_given.render.settings,
+                       .goal = (RfTuneGoal)s_goal,
                        .watch = &watch,
                        .report = say,
                        .user = job };
-    tune.budget = rf_budget_left( job->options.budget, job->start, &tune.deadline );
-    return rf_tune( &tune, &job->tune, error );
-}
-
-static RfResult run( Job* job, RfError* error )
-{
-    RfResult result = rf_load_shot( "tune", &job->options.render, parse, job, &job->shot, error );
-    if ( result == RF_OK )
-        result = make_plan( job, error );
-    if ( result == RF_OK && job->options.budget > 0.0 )
-        result = search( job, error );
-    if ( result == RF_ERROR_INTERRUPTED && job->tune.round_count > 0 )
-    {
-        RfResult reported = report( job, error );
-        return reported != RF_OK
-                   ? reported
-                   : rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted after %d round%s: the results so far are above",
-                              job->tune.round_count, job->tune.round_count == 1 ? "" : "s" );
-    }
-    if ( result == RF_ERROR_INTERRUPTED )
+    RfResult result = make_plan( job, error );
+    if ( result != RF_OK || !( s_given.budget > 0.0 ) )
+        return result;
+    tune.budget = rf_budget_left( &job->command, &tune.deadline );
+    result = rf_tune( &tune, &job->tune, error );
+    int rounds = job->tune.round_count;
+    job->command.found = rounds > 0;
+    if ( result != RF_ERROR_INTERRUPTED )
+        return result;
+    if ( rounds == 0 )
         return rf_fail( error, result, "interrupted in the first round: no results yet" );
-    return result == RF_OK ? report( job, error ) : result;
+    return rf_fail( error, result, "interrupted after %d round%s: the results so far are above", rounds, rounds == 1 ? "" : "s" );
 }
 
 int rf_command_tune( int argc, char** argv )
 {
-    RfError error;
-    Job job = { .argc = argc, .argv = argv, .start = rf_wall_seconds(), .tune = { .chosen = -1 } };
-    RfResult result = parse( NULL, &job, &error );
-    if ( result == RF_OK && job.help )
-        result = rf_show_help( &s_table, &error );
-    else if ( result == RF_OK )
-    {
-        rf_catch_interrupts();
-        result = run( &job, &error );
-    }
-    free( job.command );
+    static Job job;
+    job = ( Job ){ .tune = { .chosen = -1 },
+                   .command = { .table = &s_table,
+                                .options = &s_given,
+                                .reset = reset,
+                                .settle = settle,
+                                .search = search,
+                                .finish = finish,
+                                .print = print_tune,
+                                .json = tune_json,
+                                .plot = write_tune_plot,
+                                .user = &job,
+                                .argc = argc,
+                                .argv = argv } };
+    int status = rf_run_trial_command( &job.command );
+    free( job.best );
     rf_free_ranges( &job.ranges );
-    rf_destroy_shot( &job.shot );
-    return result == RF_OK ? 0 : rf_report_error( "tune", &error );
+    return status;
 }

@@ -1,7 +1,7 @@
 // Runs the importer of other formats in a process of its own (src/import), so that
 // a malformed file that makes it crash, hang or run out of memory is only an error.
-#ifndef REFRAME_CONVERT_RUN_IMPORTER_H
-#define REFRAME_CONVERT_RUN_IMPORTER_H
+#ifndef REFRAME_CONVERT_CONVERT_H
+#define REFRAME_CONVERT_CONVERT_H
 
 #include "convert/model.h"
 

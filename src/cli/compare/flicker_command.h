@@ -1,6 +1,6 @@
 // The results of `flicker`: table, verdict in words, JSON.
-#ifndef REFRAME_CLI_COMPARE_FLICKER_REPORT_H
-#define REFRAME_CLI_COMPARE_FLICKER_REPORT_H
+#ifndef REFRAME_CLI_COMPARE_FLICKER_COMMAND_H
+#define REFRAME_CLI_COMPARE_FLICKER_COMMAND_H
 
 #include "measure/flicker_sequence.h"
 
