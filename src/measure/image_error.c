@@ -16,7 +16,7 @@ RfResult rf_pair_frames( const int* const numbers[2], const int counts[2], RfFra
     int at[2] = { 0, 0 };
     *pairs = ( RfFramePairs ){ .all = malloc( ( 4 * most + 1 ) * sizeof( int ) ) };
     if ( pairs->all == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %zu frames", most );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %zu frames", most );
     pairs->both = pairs->all + most;
     pairs->lacking[0] = pairs->both + most;
     pairs->lacking[1] = pairs->lacking[0] + most;

@@ -557,7 +557,7 @@ static RfResult make_regions( Tuner* t, const RfTuneRound* round, int first, RfE
     const RfShot* shot = &t->job->shot;
     RfTestSite* sites = calloc( (size_t)round->regions, sizeof *sites );
     if ( sites == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "the system has no memory left to try settings" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory trying settings" );
     int frames = tune_region_frames( t->tune, t->candidate );
     for ( int i = 0; i < round->regions; ++i )
         sites[i] =

@@ -155,7 +155,7 @@ static RfResult make_matte_strings( const RfOutput* output, MatteStrings* string
         if ( strings->manifests[k] == NULL )
         {
             free_matte_strings( strings );
-            return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of Cryptomatte" );
+            return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of Cryptomatte" );
         }
         rf_name_pass_layer( output->settings.files.names, g_rf_cryptomatte_kinds[k].name, layer );
         uint32_t key = rf_murmur3_32( layer ) >> 4;

@@ -89,7 +89,7 @@ RfResult rf_add_page_block( RfPage* page, const char* id, const void* bytes, siz
     snprintf( head, sizeof head, "<script type=\"text/plain\" id=\"%.64s\">", id );
     char* text = malloc( ( size + 2 ) / 3 * 4 + 1 );
     if ( text == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %zu bytes of the page", page->file.path, size );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for %zu bytes of the page", page->file.path, size );
     size_t length = encode_base64( bytes, size, text );
     page->raw += size;
     page->error = error;

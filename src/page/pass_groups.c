@@ -76,7 +76,7 @@ RfResult rf_read_matte_names( const char* path, const RfFilePass* pass, RfMatteN
              names->names != NULL )
             continue;
         if ( !take_names( ids, names ) )
-            result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its Cryptomatte", path );
+            result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the names of its Cryptomatte", path );
     }
     json_decref( manifests.names );
     json_decref( manifests.ids );
@@ -339,7 +339,7 @@ RfResult rf_list_passes( const RfExrHeader* header, RfFilePasses* passes, RfErro
     if ( places == NULL || passes->passes == NULL || passes->names == NULL )
     {
         free( places );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of %d channels", header->channel_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of %d channels", header->channel_count );
     }
     for ( int i = 0; i < header->channel_count; ++i )
         count += place_channel( header, header->channels + i, places + count );

@@ -260,7 +260,7 @@ static RfResult measure_base( const RfImage* image, const char* name, Base* base
     base->rows = ( image->height + RF_PICTURE_CELL - 1 ) / RF_PICTURE_CELL;
     base->values = malloc( 3 * (size_t)base->columns * (size_t)base->rows * sizeof( int16_t ) );
     if ( base->values == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its picture", name );
     for ( int row = 0; row < base->rows; ++row )
     {
         for ( int column = 0; column < base->columns; ++column )
@@ -283,7 +283,7 @@ static RfResult concatenate( const Base* base, const unsigned char* jpeg, size_t
     *size = HEADER_BYTES + 2 * count + jpeg_size;
     *bytes = malloc( *size );
     if ( *bytes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its picture", name );
     unsigned char* out = put16( put16( put16( *bytes, RF_PICTURE_CELL ), base->columns ), base->rows );
     for ( size_t i = 0; i < count; ++i )
         out = put16( out, base->values[i] );
@@ -323,7 +323,7 @@ RfResult rf_encode_picture( const RfImage* image, double most_bits, const char* 
     unsigned char* jpeg = NULL;
     unsigned char* codes = malloc( 3 * pixels + 2 * LIMIT + 1 ); // the image, followed by the code table
     RfResult result = codes != NULL ? measure_base( image, name, &base, error )
-                                    : rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its picture", name );
+                                    : rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its picture", name );
     if ( result == RF_OK )
     {
         fill_codes( codes + 3 * pixels );
@@ -405,7 +405,7 @@ RfResult rf_encode_values( const RfImage* image, int factor, const char* name, u
         *size = (size_t)( out - *bytes );
     }
     else
-        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its values", name );
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its values", name );
     rf_destroy_image( &small );
     return result;
 }

@@ -80,7 +80,7 @@ static int block_of( const Pilot* p, int32_t pixel )
 
 static RfResult fail_memory( RfError* error )
 {
-    return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the pilot of the clamp: give a value in the place of auto" );
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the pilot of the clamp: give a value in the place of auto" );
 }
 
 static bool take_paths( Pilot* p, const RfClampWatch* watch, int half )
@@ -430,7 +430,7 @@ RfResult rf_find_clamps( RfRenderer* r, RfError* error )
         return RF_OK;
     r->clamps = malloc( (size_t)frames * sizeof *r->clamps );
     if ( r->clamps == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the thresholds of %d frames", frames );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the thresholds of %d frames", frames );
     double chains = r->setup->settings.clamp_chains > 0.0 ? r->setup->settings.clamp_chains : value;
     for ( int frame = 0; frame < frames; ++frame )
         r->clamps[frame] = ( RfClampThresholds ){ { (float)value, (float)chains } };

@@ -139,7 +139,7 @@ RfResult rf_alloc_traced_jobs( RfRenderer* r, RfError* error )
         return RF_OK;
     size_t jobs = (size_t)r->setup->plan.eyes * (size_t)r->setup->sizes.of_estimator.jobs;
     r->traced_jobs = malloc( jobs * sizeof *r->traced_jobs );
-    return r->traced_jobs != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for a list of %zu batches", jobs );
+    return r->traced_jobs != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "out of memory for a list of %zu batches", jobs );
 }
 
 // The jobs of a pass that have something to trace; returns how many.

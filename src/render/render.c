@@ -167,7 +167,7 @@ static RfResult split_light( RfRenderSetup* setup, RfError* error )
         size_t size = sizeof GROUP_LAYER + strlen( setup->groups.names[g] );
         setup->group_names[g] = malloc( size );
         if ( setup->group_names[g] == NULL )
-            result = rf_fail( error, RF_ERROR_MEMORY, "no memory for the names of light groups" );
+            result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of light groups" );
         else
             snprintf( setup->group_names[g], size, GROUP_LAYER "%s", setup->groups.names[g] );
     }

@@ -22,7 +22,7 @@ RfResult rf_make_surface_tables( const RfScene* scene, const RfRenderSettings* s
     if ( materials )
         tables->material_index = malloc( ( (size_t)scene->material_count + 1 ) * sizeof *tables->material_index );
     if ( ( objects && tables->object_index == NULL ) || ( materials && tables->material_index == NULL ) )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the indices of %d objects", scene->node_count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the indices of %d objects", scene->node_count );
     if ( objects )
         rf_list_object_indices( scene, tables->object_index );
     if ( materials )

@@ -62,7 +62,7 @@ RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWor
     if ( worlds->worlds == NULL || worlds->tracers == NULL )
     {
         rf_destroy_worlds( worlds );
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for what moves in %d frames", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory posing %d frames", count );
     }
     for ( int i = 0; i < count; ++i )
         worlds->worlds[i].frame = -1;
@@ -157,7 +157,7 @@ static RfResult pose_moments( const RfScene* scene, const RfEye* eye, RfWorld* w
     world->poses = calloc( (size_t)steps + 1, sizeof *world->poses );
     world->joined = steps > 0 ? calloc( 1, sizeof *world->joined ) : NULL;
     if ( world->poses == NULL || ( steps > 0 && world->joined == NULL ) )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for what moves at %d moments", steps + 1 );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory posing %d moments", steps + 1 );
     world->moments = steps + 1;
     RfResult result = RF_OK;
     for ( int k = 0; k <= steps && result == RF_OK; ++k )
@@ -181,7 +181,7 @@ static RfResult note_emission( const RfWorlds* worlds, RfWorld* world, RfError* 
     const RfLights* still = rf_tracer_lights( worlds->still );
     world->emission = malloc( ( (size_t)still->changing->dim_count + 1 ) * sizeof *world->emission );
     if ( world->emission == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for lights that change" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for lights that change" );
     rf_note_emission( still, &middle_of( world )->scene, world->emission );
     return RF_OK;
 }
@@ -245,7 +245,7 @@ static RfResult light_worlds( RfWorlds* worlds, int first, int count, RfError* e
     drop_lights( worlds );
     RfLitFrame* frame = malloc( (size_t)count * sizeof *frame );
     if ( frame == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for the lights of a group of frames" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the lights of a group of frames" );
     for ( int i = 0; i < count; ++i )
     {
         RfWorld* world = world_of( worlds, first + i );

@@ -129,7 +129,7 @@ static RfResult check_groups( const PngPicture* picture, const PngFile* file, Rf
 {
     const char** names = malloc( ( (size_t)file->passes.count + 1 ) * sizeof *names );
     int count = 0;
-    RfResult result = names != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "no memory left for the names of light groups" );
+    RfResult result = names != NULL ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of light groups" );
     for ( int i = 0; i < file->passes.count && result == RF_OK; ++i )
     {
         if ( file->passes.passes[i].is_group )
@@ -201,7 +201,7 @@ static RfResult look_for_matte( PngPicture* picture, const PngFile* file, const 
     RfResult result = rf_read_matte_names( file->path, pass, &names, error );
     char** more = realloc( all->words, (size_t)( all->count + names.count + 1 ) * sizeof *more );
     if ( result == RF_OK && more == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of its Cryptomatte", file->path );
+        result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the names of its Cryptomatte", file->path );
     all->words = more != NULL ? more : all->words;
     for ( int i = 0; i < names.count && result == RF_OK; ++i )
     {
@@ -412,7 +412,7 @@ static RfResult show_display_window( const PngFile* file, const RfExrWindow* win
     if ( rgb == NULL || ( *alpha != NULL && covered == NULL ) )
     {
         free( rgb );
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its display window of %dx%d pixels", file->path,
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its display window of %dx%d pixels", file->path,
                         display.width, display.height );
     }
     rf_destroy_image( image );

@@ -368,7 +368,7 @@ RfResult rf_add_changes( const RfScene* scene, const RfTracer* tracer, const RfR
     RfSharing sharing = { 0 };
     int count = rf_list_changing( scene, &changing );
     if ( count < 0 )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory for what changes in the scene" );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory listing what changes" );
     RfResult result = tracer != NULL ? look( tracer, options, changing, count, &sharing, error ) : RF_OK;
     json_t *moving = json_array(), *list = json_array();
     for ( int i = 0; i < scene->moving_count; ++i )

@@ -181,7 +181,7 @@ static RfResult join_frames( RfPageRun* report, RfError* error )
         room += report->tracks[i].sequence.input.count;
     report->numbers = malloc( (size_t)room * sizeof( int ) );
     if ( report->numbers == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", room );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", room );
     for ( int i = 0; i < report->place_count; ++i )
     {
         const RfSequenceInput* input = &report->tracks[i].sequence.input;

@@ -184,7 +184,7 @@ static RfResult find_page_layers( Work* work, RfError* error )
     layers->ranges = malloc( (size_t)( layers->count + 1 ) * sizeof *layers->ranges );
     layers->names = calloc( (size_t)layers->count + 1, sizeof *layers->names );
     if ( layers->ranges == NULL || layers->names == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for its passes", sequence->input.pattern );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its passes", sequence->input.pattern );
     bool whole;
     result = visit_passes( work, work->path, take_range, &whole, error );
     if ( result == RF_OK && !whole )
@@ -229,7 +229,7 @@ static RfResult add_names( Work* to, int pass, const float* values, int stride, 
     size_t most = (size_t)pixels / 2, used = 0; // bytes
     unsigned char* bytes = malloc( most + 4 );
     if ( bytes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for the names of a Cryptomatte", to->path );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the names of a Cryptomatte", to->path );
     for ( int i = 0, name = -1, run = 0; i <= pixels && used <= most; ++i )
     {
         int x = i % layers->width * layers->factor + layers->factor / 2,
@@ -551,7 +551,7 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
     Work work = { .page = page, .track = track };
     track->frames = malloc( (size_t)all->count * sizeof( RfPageFrame ) );
     if ( track->frames == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: no memory left for %d frames", track->sequence.input.pattern, all->count );
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for %d frames", track->sequence.input.pattern, all->count );
     for ( int i = 0; i < all->count; ++i )
         track->frames[i] = ( RfPageFrame ){
             .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN

@@ -132,7 +132,7 @@ static RfResult choose_runs( RfTrialCommand* c, RfError* error )
     c->frames = rf_runs_of_frames( &c->path, c->asked, count, &runs );
     c->asked_runs = malloc( (size_t)count * sizeof( int ) );
     if ( c->frames == NULL || c->asked_runs == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "no memory left for the numbers of %d frames", count );
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the numbers of %d frames", count );
     for ( int i = 0; i < count; ++i )
     {
         c->asked_runs[i] = c->path.run_of_frame[c->asked[i]];

@@ -135,7 +135,7 @@ RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, i
         cut( &w, *range_count, ranges );
     }
     else
-        result = rf_fail( error, RF_ERROR_MEMORY, "no memory left for the ranges of %d frames", frame_count );
+        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the ranges of %d frames", frame_count );
     free( w.sum );
     free( w.halo );
     return result;
