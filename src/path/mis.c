@@ -15,6 +15,17 @@ void rf_clear_arrivals( int count, RfArrivals* arrivals )
     memset( arrivals->light_pdf_solid_angle, 0, bytes );
 }
 
+void rf_copy_arrivals( int count, const RfArrivals* from, RfArrivals* to )
+{
+    size_t bytes = (size_t)count * sizeof( float );
+    for ( int c = 0; c < 3; ++c )
+    {
+        memcpy( to->emitted[c], from->emitted[c], bytes );
+        memcpy( to->rest[c], from->rest[c], bytes );
+    }
+    memcpy( to->light_pdf_solid_angle, from->light_pdf_solid_angle, bytes );
+}
+
 void rf_gather_light_sample( const RfLightLanes* light, int part, int count, float k, RfArrivalLanes* out )
 {
     size_t bytes = (size_t)count * sizeof( float );

@@ -58,6 +58,7 @@ typedef struct RfArrivals
 
 // No light at slots [0, count).
 void rf_clear_arrivals( int count, RfArrivals* arrivals );
+void rf_copy_arrivals( int count, const RfArrivals* from, RfArrivals* to );
 
 // The light that arrives at vertices from one direction each, in two parts: A, which light sampling could have found as well, and
 // B, which it could not.

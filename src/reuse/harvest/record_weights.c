@@ -453,7 +453,8 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
 {
     int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // connections do not depend on densities
     float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
-    memset( scratch->mixture, 0, (size_t)directions * RF_LANES * sizeof( float ) );
+    for ( int d = 0; d < directions; ++d )
+        memset( scratch->mixture + (size_t)d * RF_LANES, 0, (size_t)rf_glossy_count( batch ) * sizeof( float ) );
     for ( int l = 0; l < harvest->shape.eyes; ++l )
     {
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )

@@ -210,6 +210,15 @@ static void begin_beyond( const RfPathSettings* path, const uint32_t* triangle, 
     }
 }
 
+// All slots of the vertices are below it.
+static int end_of_slots( const RfVertexLanes* v )
+{
+    int32_t end = 0;
+    for ( int i = 0; i < v->count; ++i )
+        end = v->slot[i] >= end ? v->slot[i] + 1 : end;
+    return end;
+}
+
 // Takes light samples at the second vertices and continues the paths from there.
 static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse )
 {
@@ -231,17 +240,18 @@ static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, Rf
         settings->connector->sample( settings->connector, wavefront, NULL, &reuse->second.lanes, 2, reuse->second.direct + k,
                                      reuse->second.connection_area );
     RfArrivals *arrivals = &wavefront->arrivals, *dimmed = wavefront->dimmed;
-    memcpy( &reuse->slots.at_hits, arrivals, sizeof *arrivals );
+    int slots = end_of_slots( &reuse->second.lanes );
+    rf_copy_arrivals( slots, arrivals, &reuse->slots.at_hits );
     wavefront->dimmed = reuse->at_second + 1;
     for ( int part = 0; part < reuse->part_count; ++part )
-        memset( rf_arrivals_of_part( wavefront, part ), 0, sizeof *arrivals );
+        rf_clear_arrivals( slots, rf_arrivals_of_part( wavefront, part ) );
     float* wi[3] = { reuse->second.wi[0], reuse->second.wi[1], reuse->second.wi[2] };
     rf_scatter_deferred( settings, wavefront, &reuse->second.lanes, 2, wi );
     memcpy( reuse->second.pdf, wavefront->scratch.pdf, (size_t)reuse->second.lanes.count * sizeof( float ) );
     rf_face_rays( &reuse->second.lanes ); // where the hits of the tile are
     rf_trace_tails( settings, wavefront, 3 );
-    memcpy( reuse->at_second, arrivals, sizeof *arrivals );
-    memcpy( arrivals, &reuse->slots.at_hits, sizeof *arrivals );
+    rf_copy_arrivals( slots, arrivals, reuse->at_second );
+    rf_copy_arrivals( slots, &reuse->slots.at_hits, arrivals );
     wavefront->dimmed = dimmed;
 }
 
