@@ -201,8 +201,10 @@ extern "C" RfDwaResult rf_compress_dwa( const RfDwaBlock* block, const void* pac
 extern "C" RfDwaResult rf_decompress_dwa( const RfDwaBlock* block, const void* compressed, size_t compressed_size, void* out,
                                           size_t size, char message[RF_DWA_MESSAGE_SIZE] )
 {
-    return guard( message, [&] {
-        std::memset( out, 0, size );
-        decompress( *block, compressed, compressed_size, out );
-    } );
+    return guard( message,
+                  [&]
+                  {
+                      std::memset( out, 0, size );
+                      decompress( *block, compressed, compressed_size, out );
+                  } );
 }
