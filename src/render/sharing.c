@@ -53,7 +53,10 @@ typedef struct Look
     bool* moving; // by pixel
 } Look;
 
-static RfResult fail_memory( RfError* error ) { return rf_fail( error, RF_ERROR_MEMORY, "out of memory for how light is shared" ); }
+static RfResult fail_memory( RfError* error )
+{
+    return rf_fail( error, RF_ERROR_MEMORY, "out of memory for how light is shared" );
+}
 
 // The item of each light, by those of materials and punctual lights. `of`: room for all of them.
 static void number_items_by( Look* look, int32_t* of )
