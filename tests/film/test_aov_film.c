@@ -371,13 +371,17 @@ TEST( test_same_bits_however_the_frames_come_about )
         const RfFrameResult* small = render_some( &stage, 0, EYES, &settings );
         assert_true( stage.stats.peak_bytes <= settings.memory );
         settings.memory = 0;
+        settings.aovs = RF_PASS_AOVS; // of which the picture is the sum
+        const RfFrameResult* passes = render_some( &stage, 0, EYES, &settings );
         settings.aovs = 0;
         const RfFrameResult* without = render_some( &stage, 0, EYES, &settings );
         for ( int k = 0; k < EYES; ++k )
         {
             expect_same_bits( whole + k, threads + k );
             expect_same_bits( whole + k, small + k );
-            assert_memory_equal( whole[k].rgb, without[k].rgb, (size_t)PIXELS * 3 * sizeof( float ) );
+            assert_memory_equal( whole[k].rgb, passes[k].rgb, (size_t)PIXELS * 3 * sizeof( float ) );
+            expect_sum( "room", "the picture", ( const float* const[] ){ whole[k].rgb }, 1, without[k].rgb, 3 * PIXELS, 1e-5,
+                        brightness( without[k].rgb, 3 * PIXELS ) );
             for ( int l = 0; l < RF_AOV_COUNT; ++l )
                 assert_null( without[k].aovs[l] );
         }
@@ -392,8 +396,8 @@ TEST( test_same_bits_however_the_frames_come_about )
     close_stage( &stage );
 }
 
-// Each AOV alone is what it is among all of them, and none is empty: so a new row of RF_AOV_LIST that
-// nothing fills is found.
+// Each AOV alone, or with the passes, of which the picture is the sum, is what it is among all of them, and none is empty: so a new row
+// of RF_AOV_LIST that nothing fills is found.
 TEST( test_each_alone_is_as_among_all )
 {
     Stage stage;
@@ -411,6 +415,7 @@ TEST( test_each_alone_is_as_among_all )
     for ( int a = 0; a < RF_AOV_PRIMAL; ++a ) // those of gradients are tested with these
     {
         settings.aovs = RF_AOV_BIT( a );
+        settings.aovs |= a == RF_AOV_VARIANCE || a == RF_AOV_REMOVED ? RF_PASS_AOVS : 0;
         const RfFrameResult* alone = render_some( &stage, 1, 1, &settings );
         size_t count = (size_t)( alone->width * alone->height * rf_aov_channels( (RfAov)a ) );
         assert_memory_equal( alone[0].aovs[a], all[0].aovs[a], count * sizeof( float ) );

@@ -30,7 +30,8 @@ enum
     COLOURED,
     ALIKE, // by the dimmer of DIMMED
     WEAK,
-    LAMPS
+    FAINT, // this and the next ones are weaker still, each by a dimmer of its own, and this the weakest
+    LAMPS = FAINT + 12
 };
 
 // Materials.
@@ -96,7 +97,8 @@ static void add_lamps( RfScene* scene )
     scene->punctuals = calloc( LAMPS, sizeof *scene->punctuals );
     for ( uint32_t i = 0; i < LAMPS; ++i )
     {
-        scene->punctuals[i] = make_point_light( in_cube( 2, i, 3.0f ), i == WEAK ? 0.1f : 4.0f );
+        float strength = i == WEAK ? 0.1f : i >= FAINT ? 0.002f + 1e-4f * (float)( i - FAINT ) : 4.0f;
+        scene->punctuals[i] = make_point_light( in_cube( 2, i, 3.0f ), strength );
         scene->punctuals[i].changes = i != STILL;
     }
     scene->punctuals[MOVED].kind = RF_PUNCTUAL_SPOT;
@@ -167,6 +169,8 @@ static void pose_lamps( RfScene* posed, int frame, float time )
     p[SUN].direction = rf_normalize( rf_vec3( time - 0.5f, -1, 0.3f ) );
     p[COLOURED].intensity = rf_vec3( 2.0f, 1.0f + time, 3.0f - 2.0f * time );
     p[WEAK].intensity = rf_scale( p[WEAK].intensity, 1.0f - 0.5f * time );
+    for ( int i = FAINT; i < LAMPS; ++i )
+        p[i].intensity = rf_scale( p[i].intensity, 1.0f / ( 1.0f + time * (float)( i - FAINT + 2 ) ) );
 }
 
 static void pose( const RfScene* loaded, SkyKind sky, int frame, RfScene* posed )
@@ -252,9 +256,10 @@ static void check_parts( const World* w, SkyKind sky, RfGroupLights* group )
     assert_true( is_dimmed( part_of( l, SWITCHED ) ) && part_of( l, SWITCHED ) != part_of( l, DIMMED ) );
     assert_true( is_dimmed( part_of( l, COLOURED ) ) );
     assert_true( rf_material_part( l, DIMS_MOVED ) == RF_PART_OWN && rf_material_part( l, SETTLED ) == 0 );
-    // five lamps or, with the sky, six are dimmed by dimmers of their own; the weakest are not parts
-    assert_true( is_dimmed( rf_material_part( l, DIMS ) ) == ( sky != SKY_DIMS ) );
-    assert_true( part_of( l, WEAK ) == RF_PART_OWN && l->dimmed_count == RF_DIMMED_MOST && l->any_own && !l->all_own );
+    // 17 lamps or, with the sky, 18 are dimmed by dimmers of their own; the weakest are not parts
+    assert_true( is_dimmed( rf_material_part( l, DIMS ) ) );
+    assert_true( is_dimmed( part_of( l, FAINT + 1 ) ) == ( sky != SKY_DIMS ) && is_dimmed( part_of( l, WEAK ) ) );
+    assert_true( part_of( l, FAINT ) == RF_PART_OWN && l->dimmed_count == RF_DIMMED_MOST && l->any_own && !l->all_own );
     assert_int_equal( l->frame_count, 0 );
     int of_sky[] = { [SKY_TURNS] = RF_PART_OWN, [SKY_STAYS] = 0 };
     if ( sky == SKY_DIMS )
