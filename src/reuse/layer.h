@@ -3,7 +3,8 @@
 // numbers, densities and roulette do not look at them. A film is a sum of layers, each with the scale of its part in the film's
 // frame (reuse/accumulate/hit_light.h).
 //
-// What is taken out of the picture, by the clamp or without caustics, is a layer of each part as well, of a film of its own.
+// Removed light, which the clamp takes from the picture, or caustics that are left out, is a layer of each part as well, with a film of
+// its own.
 #ifndef REFRAME_REUSE_LAYER_H
 #define REFRAME_REUSE_LAYER_H
 
@@ -11,7 +12,7 @@
 
 // Kinds, by what happens at the first surface that a camera ray meets: X( NAME, directions that bring it to glossy hits ). They are
 // RF_PASS_AOVS in their order. Emission, direct light (from lights without a further surface), all other light that arrives; and
-// of misses and glints what a chain reflects or transmits: hits at the end of one say so themselves (RfHitBatch.event).
+// of misses and glints what a chain reflects or transmits: hits at the end of a chain have its event (RfHitBatch.event).
 // clang-format off
 #define RF_LAYER_KINDS( X ) \
     X( EMISSION, NONE ) \
@@ -45,7 +46,7 @@ typedef struct RfLayerSet
     int parts;      // of the light, at least 1
     int base_parts; // of them, at least 1: misses, glints and light that holds in its own frame alone have these
     bool by_kind;   // else all kinds are one
-    bool removed;   // with those of what is taken out
+    bool removed;   // with layers of removed light
 } RfLayerSet;
 
 static inline int rf_kinds( const RfLayerSet* set ) { return set->by_kind ? RF_KINDS : 1; }
@@ -61,7 +62,7 @@ static inline int rf_layer( const RfLayerSet* set, int part, RfLayerKind kind )
 
 static inline int rf_removed_layer( const RfLayerSet* set, int part ) { return set->parts * rf_kinds( set ) + part; }
 
-// The directions of a layer. The clamp takes light out of all but light samples; `clamped`: there is one.
+// The directions of a layer. `clamped`: with a clamp, which removes light of all directions but light samples.
 static inline RfDirections rf_layer_directions( const RfLayerSet* set, int layer, bool clamped )
 {
 #define RF_OF_KIND( NAME, directions ) [RF_KIND_##NAME] = RF_DIRECTIONS_##directions,

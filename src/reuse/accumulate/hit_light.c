@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-// Sums are numbered by light group and kind of hits; what is taken out is the last.
+// Sums are numbered by light group and kind of hits; removed light is the last.
 static int count_sums( const RfBatchShape* shape )
 {
     return shape->layers.base_parts * rf_hit_kinds( &shape->layers ) + shape->layers.removed;

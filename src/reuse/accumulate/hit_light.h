@@ -11,10 +11,10 @@
 typedef struct RfFilmLayers
 {
     int base, kind;
-    bool removed; // of what is taken out, else of the picture
+    bool removed; // light, else that of the picture
 } RfFilmLayers;
 
-// The films of a frame: the picture, light groups in the order of their base parts, passes, what is taken out.
+// The films of a frame: the picture, light groups in the order of their base parts, passes, removed light.
 #define RF_FRAME_FILMS_MOST ( 2 + RF_LIGHT_GROUPS_MOST + RF_KINDS )
 int rf_list_film_layers( const RfBatchShape* shape, unsigned aovs, RfFilmLayers* out );
 
@@ -65,7 +65,7 @@ void rf_light_hits( const RfLights* lights, const RfMirrors* mirrors, const RfEy
 // The light of a film, from the sums. The picture must have been asked for before others are.
 RfHitLight rf_film_light( const RfHitBatch* batch, RfFilmLayers film, RfHitLights* lights );
 
-// Whether a film has light of the batch in the frame of camera `eye`. Caustics that are taken out count in their own frame alone.
+// Whether a film has light of the batch in the frame of camera `eye`. Removed caustics count in their own frame alone.
 bool rf_film_is_lit( const RfBatchShape* shape, const RfHitBatch* batch, RfFilmLayers film, int eye );
 
 // Whether a film has a layer.

@@ -1,4 +1,4 @@
-// The clamp: bounds what one path brings to a hit, and keeps what it takes out, so that picture and light taken out together are
+// The clamp: bounds what one path brings to a hit, and keeps what it removes, so that picture and removed light together are
 // the estimate without bias (src/reuse/estimators.md, E15). Emission that is seen, but for that at the end of chains, and direct light at
 // first hits are not clamped.
 #ifndef REFRAME_REUSE_HARVEST_CLAMP_H
@@ -28,7 +28,7 @@ static inline float rf_clamp_share( const RfClampHits* clamp, RfClampKind kind, 
     return q > clamp->threshold[kind] ? clamp->threshold[kind] / q : 1.0f;
 }
 
-// Adds a value to `picture` and what is taken out of it to `removed`; returns whether anything is.
+// Adds what is left of a value to `picture`, and what is removed to `removed`; returns whether anything is.
 static inline bool rf_add_clamped( const RfClampHits* clamp, RfClampKind kind, const RfHitBatch* batch, int listed,
                                    const float value[3], float* picture, float* removed )
 {

@@ -23,7 +23,7 @@ typedef struct RfOwnHits
     RfArrivalLanes arrival;   // from one direction
     bool by_kind;             // as in RfLayerSet
     RfOwnLanes* layers;       // by base part and kind of hits: use rf_own_at
-    RfOwnLanes* removed;      // by base part: what of it is taken out; NULL where nothing is
+    RfOwnLanes* removed;      // by base part: what of it is removed; NULL where nothing is
     uint8_t moving[RF_LANES]; // by slot: the first hit is on what moves, so other cameras do not see it
     float part[RF_LANES];     // with RfHarvest.first_hits_only: share of the hit's light that is own-frame, estimated
 } RfOwnHits;
@@ -118,13 +118,13 @@ static inline const RfTracer* rf_harvest_tracer( const RfHarvest* harvest, int e
     return harvest->tracers != NULL ? harvest->tracers[eye] : harvest->path.tracer;
 }
 
-// Whether the light that is kept apart (RfOwnHits) is clamped; caustics are taken out whole.
+// Whether the light that is kept apart (RfOwnHits) is clamped; caustics are removed whole.
 static inline bool rf_clamps_own( const RfHarvestScratch* scratch )
 {
     return scratch->clamp != NULL && scratch->own != NULL && !scratch->own->paths.caustics;
 }
 
-// Where the light of a hit that is kept apart is, and what is taken out of it: 4 floats. Caustics are taken out.
+// Where the light of a hit that is kept apart is, and what is removed of it: 4 floats. Caustics are removed.
 static inline float* rf_own_removed_at( const RfHarvestScratch* scratch, int base, int hit )
 {
     return scratch->own->removed[base].light + 4 * (size_t)hit;

@@ -85,7 +85,7 @@ static void gather_dimmed( const RfHarvest* harvest, RfHarvestScratch* scratch )
     }
 }
 
-// Adds what a path has found for a miss, clamped; what is taken out goes to `removed`.
+// Adds what a path has found for a miss, clamped; what is removed goes to the removed layer.
 static void add_clamped( const RfHarvestScratch* scratch, RfClampKind kind, const float value[3], int base, int miss,
                          float* light, RfHitBatch* batch )
 {

@@ -1,6 +1,6 @@
 // Light at hits that is kept apart, weighted as in a group of one frame and added to the hit's own pixel as a glint: what holds in
 // the frame of its path alone, since what moves touches the path in some frame of the group (src/reuse/estimators.md, section 18), or
-// caustics, which go to what is taken out of the picture (section 19).
+// caustics, which go to the removed light (section 19).
 #include "reuse/harvest/own_glints.h"
 
 #include <string.h>

@@ -10,7 +10,7 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch );
 // Finds scratch->own->part by the light samples at each hit and a scattered ray of it, which hits these triangles.
 void rf_find_own_parts( const RfHarvest* harvest, const uint32_t* triangle, RfHarvestScratch* scratch );
 
-// Adds the light that is kept apart to the batch, as glints; caustics to what is taken out.
+// Adds the light that is kept apart to the batch, as glints; caustics to the removed light.
 void rf_add_own_light( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch );
 
 #endif

@@ -283,8 +283,8 @@ static void evaluate_glossy( const RfHitBatch* batch, Direction* by, RfLaneScrat
     by->has_glossy = true;
 }
 
-// Takes what the clamp takes out of a direction of glossy hits, as their own camera alone would have drawn it, from the light that is
-// stored.
+// Moves light of a direction of glossy hits that the clamp removes to the removed layer. The bound is on what their own camera alone
+// would have drawn.
 static void clamp_glossy( const RfArrivalLanes* arrival, Direction* by, int part, const float* mixture, RfHitBatch* batch,
                           RfHarvestScratch* scratch )
 {

@@ -89,11 +89,11 @@ typedef struct RfBatchShape
     bool chains;            // camera rays are followed through mirrors and glass
     int chain_samples;      // per hit behind a chain (path/chain_samples.h); one direction more unless 0
     bool own_light;         // some light of paths may be kept apart (path/own_light.h)
-    bool caustics;          // all of that is caustics, which are taken out
+    bool caustics;          // all of that is caustics, which are removed
     bool surfaces;          // which surfaces camera rays hit is kept: motion follows what moves, or for covering
     bool features;          // camera rays have features for denoisers (path/features.h)
     bool connections;       // hits have connections to light paths: one direction more
-    bool clamped;           // what the clamp takes out of the light is kept
+    bool clamped;           // the light that the clamp removes is kept
     int groups;             // light groups; 0: none
     RfLayerSet layers;
     // What is told apart of the surfaces that hits are on (film/covering.h).
