@@ -27,10 +27,13 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
 
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
+    RfGradientPlan plan;
     RfLayout scratch = { 0 };
-    rf_place_gradient_scratch( group, &scratch );
+    rf_compile_gradients( group, &plan );
+    rf_place_gradient_scratch( &plan, &scratch );
     return ( RfEstimatorSizes ){
-        .jobs = rf_group_tiles( group ).patches,
+        .jobs = plan.tiles.patches,
+        .compiled = sizeof plan,
         .batch = sizeof( RfGradientBatch ),
         .trace_scratch = scratch.bytes,
         .accumulate_scratch = 64,
@@ -41,6 +44,8 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     };
 }
 
+static void compile( const RfEstimatorGroup* group, void* out ) { rf_compile_gradients( group, out ); }
+
 static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
 {
     (void)group;
@@ -50,7 +55,7 @@ static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
 
 static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
 {
-    rf_place_gradient_scratch( group, &( RfLayout ){ .memory = memory } );
+    rf_place_gradient_scratch( group->compiled, &( RfLayout ){ .memory = memory } );
 }
 
 static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
@@ -80,6 +85,7 @@ const RfEstimator rf_gradient_estimator = {
     .tile = { RF_TILE_BLOCK, 4, 4 },
     .check = check,
     .sizes = sizes,
+    .compile = compile,
     .lay_out_batch = lay_out_batch,
     .lay_out_scratch = lay_out_scratch,
     .trace = trace,

@@ -106,48 +106,36 @@ struct RfGradientScratch
     RfArrivals arrivals;         // kept while some are left out
 };
 
-// The group as the harvest of frames and tiles sees it: whole extended tiles.
-typedef struct ExtendedGroup
+void rf_compile_gradients( const RfEstimatorGroup* group, RfGradientPlan* out )
 {
-    RfEstimatorGroup group;
-    RfRenderSettings settings;
-} ExtendedGroup;
-
-static void extend( const RfEstimatorGroup* group, ExtendedGroup* out )
-{
-    out->group = *group;
-    out->settings = *group->settings;
     RfTile tile = group->settings->tile;
+    out->settings = *group->settings;
     out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, tile.width + 1, tile.height + 1 };
     if ( tile.kind == RF_TILE_NONE )
         out->settings.tile = ( RfTile ){ RF_TILE_BLOCK, 2, 1 };
     out->settings.filter = RF_FILTER_BOX; // samples are drawn by the filter, and count in their own pixels
     out->settings.filter_width = 1.0;
-    out->group.filter = NULL;
-    out->group.even_light_samples = true; // in differences of pixels with common random numbers most of their noise is gone
-    out->group.settings = &out->settings;
+    RfEstimatorGroup extended = *group;
+    extended.settings = &out->settings;
+    // in differences of pixels with common random numbers most of the noise of light samples is gone
+    rf_compile_reuse( &extended, true, &out->reuse );
+    out->tiles = rf_lay_out_extended_tiles( &tile, rf_is_blurred( &group->traits ), group->width, group->height );
 }
 
-RfGradientScratch* rf_place_gradient_scratch( const RfEstimatorGroup* group, RfLayout* layout )
+RfGradientScratch* rf_place_gradient_scratch( const RfGradientPlan* plan, RfLayout* layout )
 {
-    ExtendedGroup extended;
-    extend( group, &extended );
-    RfBatchShape shape = rf_batch_shape( &extended.group );
     RfGradientScratch* scratch = rf_take( layout, 1, sizeof *scratch );
-    RfHitBatch* hits = rf_place_batch( &shape, layout );
-    RfHarvestScratch* harvest = rf_place_harvest_scratch( &shape, layout );
-    char* accumulate = rf_take( layout, rf_accumulate_scratch_bytes( &extended.group ), 1 );
+    RfHitBatch* hits = rf_place_batch( &plan->reuse.shape, layout );
+    RfHarvestScratch* harvest = rf_place_harvest_scratch( &plan->reuse.shape, layout );
+    RfLayout accumulation = { 0 };
+    rf_place_accumulation( &plan->reuse, &accumulation );
+    char* accumulate = rf_take( layout, accumulation.bytes, 1 );
     if ( scratch == NULL )
         return NULL;
     scratch->accumulate = accumulate;
     scratch->hits = hits;
     scratch->harvest = harvest;
     return scratch;
-}
-
-RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group )
-{
-    return rf_lay_out_extended_tiles( &group->settings->tile, rf_is_blurred( &group->traits ), group->width, group->height );
 }
 
 // Lists the pixels of the tiles: each lane is a pixel of its own, since tiles overlap. Returns how many.
@@ -220,7 +208,7 @@ static void set_path_keys( uint64_t pass_key, const RfEstimatorGroup* group, con
     }
 }
 
-// Camera rays, what they hit, and direct light.
+// Camera rays, and what they hit.
 static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, int count, RfGradientScratch* scratch,
                        RfRayCounts* rays )
 {
@@ -233,8 +221,6 @@ static void find_hits( const RfHarvest* harvest, const RfPixelFilter* filter, in
     rf_follow_camera_rays( harvest, h );
     rf_draw_sides( wavefront, 1, h->hits ); // alike in all pixels of a tile
     rf_list_hits( harvest, count, h, scratch->hits );
-    if ( harvest->path.max_depth > 1 )
-        rf_sample_direct( harvest, h, rays );
 }
 
 // The rest of the paths.
@@ -260,7 +246,7 @@ static void light_hits( const RfHarvest* harvest, int count, RfGradientScratch* 
 static void add_up( const RfEstimatorGroup* group, const RfHarvest* harvest, float ( *value )[4], RfGradientScratch* scratch )
 {
     rf_weight_batch( harvest, scratch->hits, scratch->harvest );
-    if ( harvest->shape.own_frame_light )
+    if ( harvest->shape->own_frame_light )
         rf_light_own_frame( harvest, scratch->hits, scratch->harvest );
     memset( value, 0, sizeof( float[RF_LANES][4] ) );
     memset( scratch->missed, 0, sizeof scratch->missed );
@@ -336,19 +322,22 @@ static void find_values( const RfEstimatorGroup* group, const RfHarvest* harvest
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,
                      RfRayCounts* rays )
 {
-    ExtendedGroup extended;
-    extend( group, &extended );
-    RfHarvest harvest = rf_make_harvest( &extended.group );
+    const RfGradientPlan* plan = group->compiled;
+    const RfExtendedTiles* tiles = &plan->tiles;
+    RfEstimatorGroup extended = *group; // as the harvest of frames and tiles sees it: whole extended tiles
+    extended.settings = &plan->settings;
+    extended.compiled = &plan->reuse;
+    extended.filter = NULL;
+    RfHarvest harvest = rf_make_harvest( &extended );
     harvest.path_roulette = true;
     uint64_t key = rf_harvest_key( &harvest, job.eye, job.pass );
-    RfExtendedTiles layout = rf_group_tiles( group );
     scratch->hits->eye = batch->eye = job.eye;
-    if ( harvest.shape.blurred )
+    if ( harvest.shape->blurred )
         scratch->hits->lens = rf_draw_lens( &harvest, job );
     RfHarvest at = rf_harvest_at( &harvest, job.eye, scratch->hits->lens, scratch->harvest );
-    batch->tile_count = rf_list_extended_tiles( &layout, key, job.job, batch->tile );
-    int count = list_pixels( batch, group->width, layout.pairs, scratch );
-    if ( layout.pairs )
+    batch->tile_count = rf_list_extended_tiles( tiles, key, job.job, batch->tile );
+    int count = list_pixels( batch, group->width, tiles->pairs, scratch );
+    if ( tiles->pairs )
     {
         find_sources( batch, scratch );
         at.path_source = scratch->source;
@@ -356,9 +345,12 @@ int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBa
     scratch->harvest->wavefront.lattice.vertex = 0;
     set_tile_keys( key, count, scratch );
     find_hits( &at, group->filter, count, scratch, rays );
+    const RfHarvest hits = rf_harvest_hits( &at, job.eye, scratch->harvest );
+    if ( hits.path.max_depth > 1 )
+        rf_sample_direct( &hits, scratch->harvest, rays );
     set_path_keys( key, group, batch, scratch );
-    light_hits( &at, count, scratch, rays );
-    find_values( &extended.group, &at, layout.pairs, batch, scratch, rays );
+    light_hits( &hits, count, scratch, rays );
+    find_values( &extended, &hits, tiles->pairs, batch, scratch, rays );
     return count;
 }
 

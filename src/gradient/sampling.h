@@ -10,11 +10,8 @@
 #ifndef REFRAME_GRADIENT_SAMPLING_H
 #define REFRAME_GRADIENT_SAMPLING_H
 
-#include "base/layout.h"
 #include "base/random.h"
-#include "path/lanes.h"
-#include "reframe/render.h"
-#include "render/estimator.h"
+#include "reuse/plan.h"
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -67,12 +64,19 @@ typedef struct RfGradientBatch
     float unshared[RF_LANES][3]; // what tiles do not share; not part of `common`
 } RfGradientBatch;
 
+// A group compiled.
+typedef struct RfGradientPlan
+{
+    RfExtendedTiles tiles;     // of its films
+    RfRenderSettings settings; // as the harvest of frames and tiles has them: with whole extended tiles
+    RfReusePlan reuse;
+} RfGradientPlan;
+
+void rf_compile_gradients( const RfEstimatorGroup* group, RfGradientPlan* out );
+
 // A thread's workspace.
 typedef struct RfGradientScratch RfGradientScratch;
-RfGradientScratch* rf_place_gradient_scratch( const RfEstimatorGroup* group, RfLayout* layout );
-
-// The tiles of a group's films.
-RfExtendedTiles rf_group_tiles( const RfEstimatorGroup* group );
+RfGradientScratch* rf_place_gradient_scratch( const RfGradientPlan* plan, RfLayout* layout );
 
 // Fills `batch` with patch job.job; adds the rays traced to `rays`. Returns the camera rays.
 int rf_sample_patch( const RfEstimatorGroup* group, RfTraceJob job, RfGradientBatch* batch, RfGradientScratch* scratch,

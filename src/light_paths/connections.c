@@ -32,7 +32,7 @@ static void begin_candidates( const RfConnectionWork* w, int i, const RfFootprin
     c->y = rf_start_of( v, i );
     c->ng = rf_lane_of( v->ng, i );
     c->n = rf_lane_of( v->n, i );
-    c->spent = w->vertex - 1 + ( w->keys->spent != NULL ? w->keys->spent[v->slot[i]] : 0 );
+    c->spent = w->vertex - 1 + ( w->settings->path->spent != NULL ? w->settings->path->spent[v->slot[i]] : 0 );
     c->vertex = w->vertex;
     c->count = c->kept = 0;
     c->next = c->stride = 0.0;

@@ -168,7 +168,7 @@ static void scatter( const RfPathSettings* settings, const RfRayLanes* rays, int
 static void follow( const RfPathSettings* settings, int sample, RfWavefront* wavefront, RfChainSamples* samples )
 {
     RfRayLanes *rays = &wavefront->rays, *next = &wavefront->next;
-    int most = settings->max_depth + ( wavefront->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
+    int most = settings->max_depth + ( settings->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
     most = most < RF_MAX_CHAIN_LIGHT + 2 ? most : RF_MAX_CHAIN_LIGHT + 2;
     for ( int vertex = 2; vertex <= most && rays->count > 0; ++vertex )
     {
@@ -180,7 +180,7 @@ static void follow( const RfPathSettings* settings, int sample, RfWavefront* wav
             add_emission( settings, wavefront, rays, samples );
         if ( vertex == most )
             break;
-        rf_end_spent_paths( settings, wavefront, vertex, rays );
+        rf_end_spent_paths( settings, vertex, rays );
         scatter( settings, rays, sample, vertex, wavefront, next );
         RfRayLanes* swap = rays;
         rays = next;

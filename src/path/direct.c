@@ -166,8 +166,14 @@ static inline RfVec3 start_of( const RfVertexLanes* v, int i )
     return rf_madd( RF_GET3( v->p, i ), RF_GET3( v->ng, i ), v->offset[i] );
 }
 
-static void select_lights( const RfPathSettings* settings, const RfVertexLanes* restrict v, RfLaneScratch* restrict scratch,
-                           RfLightSelection* selection )
+// The tracer of the frame that a light sample is of.
+static inline const RfTracer* tracer_of( const RfPathSettings* settings, int frame )
+{
+    return settings->frames != NULL ? settings->frames[frame] : settings->tracer;
+}
+
+static void select_lights( const RfPathSettings* settings, int frame, const RfVertexLanes* restrict v,
+                           RfLaneScratch* restrict scratch, RfLightSelection* selection )
 {
 #pragma omp simd
     for ( int i = 0; i < v->count; ++i )
@@ -178,9 +184,9 @@ static void select_lights( const RfPathSettings* settings, const RfVertexLanes* 
     const float* x[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* n[3] = { v->n[0], v->n[1], v->n[2] };
     const uint32_t* bits[2] = { scratch->bits[0], scratch->bits[1] };
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    const RfLights* lights = rf_tracer_lights( tracer_of( settings, frame ) );
     rf_select_lights( lights, settings->light_sampling, v->count, x, n, bits, selection );
-    if ( settings->frames == NULL || settings->at_frame == settings->frame )
+    if ( settings->frames == NULL || frame == settings->frame )
         return;
     for ( int i = 0; i < v->count; ++i ) // all other light has been sampled in the paths' own frame
     {
@@ -286,9 +292,9 @@ static bool leaves_to_connections( const RfPathSettings* settings, const RfWavef
 
 // connect() for punctual lights and the environment, whose radiance is still 1.
 static void connect_non_area( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v,
-                              LightPoints* points, uint32_t dimension, RfLightLanes* out, RfLaneScratch* scratch )
+                              LightPoints* points, RfLightSample sample, RfLightLanes* out, RfLaneScratch* scratch )
 {
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    const RfLights* lights = rf_tracer_lights( tracer_of( settings, sample.frame ) );
     memset( points->sky, 0, sizeof points->sky );
     for ( int k = 0; k < points->non_area_count; ++k )
     {
@@ -298,7 +304,7 @@ static void connect_non_area( const RfPathSettings* settings, const RfWavefront*
         float u[2] = { scratch->random[0][i], scratch->random[1][i] };
         RfVec3 ng = RF_GET3( v->ng, i );
         RfVec3 n = RF_GET3( v->n, i );
-        NonAreaSample s = sample_non_area( lights, points->selection[i], key, dimension, u, from, n );
+        NonAreaSample s = sample_non_area( lights, points->selection[i], key, sample.dimension, u, from, n );
         float cos_x = rf_dot( n, s.wi );
         bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
         if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) ||
@@ -366,8 +372,8 @@ static void dim_behind_panes( int kept, const RfPaneLanes* panes, RfLightLanes* 
 }
 
 // Marks the lanes whose path is touched, or whose segment is.
-static void touch_lights( const RfPathSettings* settings, const RfVertexLanes* v, const LightPoints* points, int kept,
-                          RfLightLanes* out, const RfLaneScratch* scratch )
+static void touch_lights( const RfPathSettings* settings, const RfTracer* tracer, const RfVertexLanes* v,
+                          const LightPoints* points, int kept, RfLightLanes* out, const RfLaneScratch* scratch )
 {
     float finite[RF_LANES], endless[RF_LANES]; // visible, unless the path is touched anyway
     uint8_t touched[RF_LANES];
@@ -384,25 +390,25 @@ static void touch_lights( const RfPathSettings* settings, const RfVertexLanes* v
         endless[k] = sky ? open : 0.0f;
         any_sky = any_sky || sky;
     }
-    rf_touch_by_segments( settings->tracer, kept, o, d, 1.0f, finite, touched );
+    rf_touch_by_segments( tracer, kept, o, d, 1.0f, finite, touched );
     for ( int k = 0; k < kept; ++k )
         out->touched[scratch->index[k]] |= touched[k];
     if ( any_sky )
-        rf_touch_by_segments( settings->tracer, kept, o, d, INFINITY, endless, touched );
+        rf_touch_by_segments( tracer, kept, o, d, INFINITY, endless, touched );
     for ( int k = 0; k < kept && any_sky; ++k )
         out->touched[scratch->index[k]] |= touched[k];
 }
 
 // Tells the light of groups, of dimmed lamps, and of lamps that change otherwise.
-static void sort_by_part( const RfPathSettings* settings, const LightPoints* points, int kept, RfLightLanes* out,
+static void sort_by_part( const RfPathSettings* settings, int frame, const LightPoints* points, int kept, RfLightLanes* out,
                           const RfLaneScratch* scratch )
 {
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    const RfLights* lights = rf_tracer_lights( tracer_of( settings, frame ) );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k], part = rf_light_part( lights, points->selection[i].light );
         if ( settings->parts && settings->frames != NULL && rf_is_own_part( part ) )
-            part = rf_frame_part( settings, part, settings->at_frame );
+            part = rf_frame_part( settings, part, frame );
         bool of_frame = rf_is_own_part( part );
         if ( settings->own != NULL )
             out->touched[i] |= of_frame;
@@ -421,10 +427,11 @@ static void sort_by_part( const RfPathSettings* settings, const LightPoints* poi
     }
 }
 
-int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
-                      RfLightLanes* out, RfLaneScratch* scratch )
+int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices,
+                      RfLightSample sample, RfLightLanes* out, RfLaneScratch* scratch )
 {
-    const RfLights* lights = rf_tracer_lights( settings->tracer );
+    const RfTracer* tracer = tracer_of( settings, sample.frame );
+    const RfLights* lights = rf_tracer_lights( tracer );
     int count = vertices->count;
     if ( lights->count == 0 )
     {
@@ -440,26 +447,26 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
         return 0;
     }
     LightPoints points;
-    rf_draw_light_numbers( keys, count, vertices->slot, dimension, scratch );
-    select_lights( settings, vertices, scratch, points.selection );
+    rf_draw_light_numbers( keys, count, vertices->slot, sample.dimension, scratch );
+    select_lights( settings, sample.frame, vertices, scratch, points.selection );
     sample_points( lights, count, scratch, &points );
-    if ( rf_tracer_is_textured( settings->tracer ) )
-        look_up_radiance( rf_tracer_scene( settings->tracer ), lights, count, scratch, &points );
+    if ( rf_tracer_is_textured( tracer ) )
+        look_up_radiance( rf_tracer_scene( tracer ), lights, count, scratch, &points );
     connect( vertices, &points, out, scratch );
     if ( rf_calls_for( points.non_area_count > 0, RF_EFFECT_PUNCTUAL_LIGHTS ) ||
          rf_calls_for( points.non_area_count > 0, RF_EFFECT_ENVIRONMENT ) )
-        connect_non_area( settings, keys, vertices, &points, dimension, out, scratch );
+        connect_non_area( settings, keys, vertices, &points, sample, out, scratch );
     int kept = compact_segments( out, count, scratch );
     const float* o[3] = { scratch->o[0], scratch->o[1], scratch->o[2] };
     const float* d[3] = { scratch->d[0], scratch->d[1], scratch->d[2] };
     RfPaneLanes panes = { .probability = scratch->pdf, .weight = { scratch->f[0], scratch->f[1], scratch->f[2] } };
-    bool past_panes = rf_tracer_has_panes( settings->tracer );
+    bool past_panes = rf_tracer_has_panes( tracer );
     if ( settings->occluders != NULL )
-        rf_trace_shadow_rays( settings->tracer, settings->occluders, kept, o, d, scratch->visible, past_panes ? &panes : NULL );
+        rf_trace_shadow_rays( tracer, settings->occluders, kept, o, d, scratch->visible, past_panes ? &panes : NULL );
     else if ( past_panes )
-        rf_trace_segments_past_panes( settings->tracer, kept, o, d, scratch->visible, &panes );
+        rf_trace_segments_past_panes( tracer, kept, o, d, scratch->visible, &panes );
     else
-        rf_trace_segments( settings->tracer, kept, o, d, scratch->visible );
+        rf_trace_segments( tracer, kept, o, d, scratch->visible );
     if ( points.non_area_count > 0 && rf_has_sky( lights ) )
         look_up_sky( lights, &points, kept, out, scratch );
     if ( past_panes )
@@ -467,11 +474,11 @@ int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, c
     if ( settings->own != NULL && settings->own->caustics )
         rf_find_lit_caustics( settings->own, vertices, out->touched );
     else if ( settings->own != NULL )
-        touch_lights( settings, vertices, &points, kept, out, scratch );
+        touch_lights( settings, tracer, vertices, &points, kept, out, scratch );
     if ( settings->parts || settings->grouped )
         memset( out->part, 0, (size_t)count );
     if ( lights->part != NULL )
-        sort_by_part( settings, &points, kept, out, scratch );
+        sort_by_part( settings, sample.frame, &points, kept, out, scratch );
     for ( int k = 0; k < kept; ++k )
     {
         int i = scratch->index[k];

@@ -355,8 +355,8 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
         uint32_t dimension = rf_vertex_dimension( vertex, samples ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)( j % samples );
         if ( j < count )
         {
-            RfPathSettings at = rf_settings_of_sample( settings, samples, j );
-            int lit = rf_sample_lights( &at, wavefront, v, dimension, lights, s );
+            RfLightSample sample = { dimension, rf_frame_of_sample( settings, samples, j ) };
+            int lit = rf_sample_lights( settings, wavefront, v, sample, lights, s );
             wavefront->shadow_rays += (uint64_t)lit;
             if ( lit == 0 && j >= samples )
                 continue;
@@ -446,7 +446,7 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     float* wi[3] = { s->wi[0], s->wi[1], s->wi[2] };
     rf_scatter_lanes( wavefront, v, dimension + RF_DIMENSION_SCATTER, wi, s );
     count_deltas( settings, wavefront, v, vertex, s->pdf );
-    note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, s->pdf );
+    note_chain_events( settings->chain_light, v, vertex, (const float* const*)wi, s->pdf );
     note_caustics( settings, v, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
     next->count =
@@ -475,7 +475,7 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     if ( settings->own != NULL && !settings->own->caustics )
         rf_touch_by_rays( settings->tracer, rays, vertices, wavefront->scratch.triangle, settings->own->touched );
     RfReceiver to = { .defer_mis = defer_mis,
-                      .chain_light = wavefront->chain_light,
+                      .chain_light = settings->chain_light,
                       .arrivals = &wavefront->arrivals,
                       .own = settings->own,
                       .dimmed = wavefront->dimmed };
@@ -483,13 +483,13 @@ const float* rf_find_lit_vertices( const RfPathSettings* settings, RfWavefront* 
     return pane_probability;
 }
 
-void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays )
+void rf_end_spent_paths( const RfPathSettings* settings, int vertex, RfRayLanes* rays )
 {
-    if ( wavefront->spent == NULL )
+    if ( settings->spent == NULL )
         return;
     for ( int r = 0; r < rays->count; ++r )
     {
-        if ( wavefront->spent[rays->slot[r]] + vertex < settings->max_depth )
+        if ( settings->spent[rays->slot[r]] + vertex < settings->max_depth )
             continue;
         for ( int c = 0; c < 3; ++c )
             rays->throughput[c][r] = 0.0f;
@@ -500,14 +500,14 @@ void rf_trace_tails( const RfPathSettings* settings, RfWavefront* wavefront, int
 {
     RfRayLanes* rays = &wavefront->rays;
     RfRayLanes* next = &wavefront->next;
-    int most = settings->max_depth + ( wavefront->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
+    int most = settings->max_depth + ( settings->spent != NULL && rf_tracer_has_panes( settings->tracer ) );
     for ( int vertex = first_vertex; vertex <= most && rays->count > 0; ++vertex )
     {
         rf_find_lit_vertices( settings, wavefront, rays, vertex == first_vertex, &wavefront->vertices );
         if ( vertex == most )
             break;
         rf_draw_sides( wavefront, vertex, &wavefront->vertices );
-        rf_end_spent_paths( settings, wavefront, vertex, rays );
+        rf_end_spent_paths( settings, vertex, rays );
         add_light_samples( settings, wavefront, rays, vertex );
         scatter( settings, wavefront, rays, vertex, next );
         RfRayLanes* swap = rays;
@@ -561,7 +561,7 @@ void rf_scatter_deferred( const RfPathSettings* settings, RfWavefront* wavefront
     uint32_t dimension = rf_vertex_dimension( vertex, settings->light_samples ) + RF_DIMENSION_SCATTER;
     rf_scatter_lanes( wavefront, v, dimension, wi, &wavefront->scratch );
     count_deltas( settings, wavefront, v, vertex, wavefront->scratch.pdf );
-    note_chain_events( wavefront->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
+    note_chain_events( settings->chain_light, v, vertex, (const float* const*)wi, wavefront->scratch.pdf );
     note_caustics( settings, v, wavefront->scratch.pdf );
     wavefront->rays.count = scatter_specular_deferred( v, wi, wavefront, scatter_nonspecular_deferred( v, wi, wavefront ) );
 }

@@ -57,12 +57,12 @@ static inline void rf_close_chain( RfChainLight* chain_light, int slot, const fl
 
 typedef struct RfConnector RfConnector;
 
-// What all paths of a render share.
+// How the paths of a batch are traced. Const while they are: where a part of them is traced otherwise, it has settings of its own.
 typedef struct RfPathSettings
 {
-    const RfTracer* tracer;
-    int max_depth;     // path vertices after the camera, ≥ 1
-    int light_samples; // K ≥ 1 per vertex
+    const RfTracer* tracer; // of the paths' frame
+    int max_depth;          // path vertices after the camera, ≥ 1
+    int light_samples;      // K ≥ 1 per vertex
     RfLightSampling light_sampling;
     RfOccluders* occluders;       // of the thread; NULL: none
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
@@ -71,8 +71,10 @@ typedef struct RfPathSettings
     bool grouped;    // keeps light groups apart: what has no part of its own counts in the base part of its group
     // with parts: the tracers of the frames, where light of one frame is looked up in each; NULL: it is not
     const RfTracer* const* frames;
-    int frame;    // of the paths
-    int at_frame; // of the tracer: another one has light of its frame alone
+    int frame;            // of the paths
+    const int32_t* spent; // by slot: vertices before the first one, which max_depth counts as well, or −1: the first is a pane
+                          // that was passed, which it does not count; NULL: none
+    RfChainLight* chain_light; // keeps light by chains apart from the arrivals; NULL: it is among them
 } RfPathSettings;
 
 // A thread's wavefront.
@@ -83,9 +85,6 @@ typedef struct RfWavefront
     uint32_t key_b[RF_LANES];
     RfLattice lattice;
     float roulette_scale[RF_LANES]; // largest channel of the path's weight up to where throughput starts
-    const int32_t* spent;           // vertices before the first one, which max_depth counts as well, or −1: the first
-                                    // is a pane that was passed, which it does not count; NULL: none
-    RfChainLight* chain_light;      // keeps light by chains apart from the arrivals; NULL: it is among them
     RfRayLanes rays;                // the scattered rays; overwritten
     // out, by slot
     RfArrivals arrivals;
@@ -209,17 +208,6 @@ static inline bool rf_sample_has_part( const RfPathSettings* settings, int sampl
     return ( part - lights->dimmed_count - 1 ) % lights->frame_count == rf_frame_of_sample( settings, samples, sample );
 }
 
-// The settings by which a light sample is taken.
-static inline RfPathSettings rf_settings_of_sample( const RfPathSettings* settings, int samples, int sample )
-{
-    RfPathSettings out = *settings;
-    if ( settings->frames == NULL )
-        return out;
-    out.at_frame = rf_frame_of_sample( settings, samples, sample );
-    out.tracer = settings->frames[out.at_frame];
-    return out;
-}
-
 // Emission of a vertex, and the sky, as they are in the tracer's frame.
 static inline RfVec3 rf_emission_in_frame( const RfPathSettings* settings, const RfVertexLanes* v, int i )
 {
@@ -267,10 +255,17 @@ void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* s
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* vertices );
 void rf_face_rays( RfVertexLanes* vertices );
 
-// Takes one light sample per vertex lane and tests its visibility. Random numbers:
-// `dimension` and the two after it. Returns the number of shadow rays.
-int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices, uint32_t dimension,
-                      RfLightLanes* lights, RfLaneScratch* scratch );
+// A light sample: its random numbers are `dimension` and the two after it. In another frame than the paths' own it has light of one
+// frame alone.
+typedef struct RfLightSample
+{
+    uint32_t dimension;
+    int frame;
+} RfLightSample;
+
+// Takes one light sample per vertex lane and tests its visibility. Returns the number of shadow rays.
+int rf_sample_lights( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* vertices,
+                      RfLightSample sample, RfLightLanes* lights, RfLaneScratch* scratch );
 
 // f and density for all lanes of the vertices, model by model (see bsdf.h).
 void rf_evaluate_lanes( const RfVertexLanes* vertices, const float* const wi[3], float* const f[3], float* pdf_solid_angle );
@@ -382,7 +377,7 @@ static inline bool rf_is_matte_lane( const RfPathSettings* settings, const RfVer
 void rf_note_lit( const RfPathSettings* settings, RfWavefront* wavefront, const RfLightLanes* lights, int sample, int count );
 
 // Ends the paths for which `vertex` is the last one: their throughput becomes 0.
-void rf_end_spent_paths( const RfPathSettings* settings, const RfWavefront* wavefront, int vertex, RfRayLanes* rays );
+void rf_end_spent_paths( const RfPathSettings* settings, int vertex, RfRayLanes* rays );
 
 // Absorption along rays that reach the surface of a body from inside.
 void rf_absorb( const RfVertexLanes* vertices, RfRayLanes* rays );

@@ -59,7 +59,7 @@ typedef struct RfEstimatorGroup
     bool first_hits_only; // no light: for add_own_shares and count_reuse alone
     const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
     RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp_threshold.h); NULL: nobody
-    bool even_light_samples;        // first hits have no more light samples than other vertices
+    const void* compiled;           // what `compile` made for groups of so many frames; NULL where only sizes are asked for
     const void* shared;             // what `prepare` made for the pass; NULL: there is nothing
 } RfEstimatorGroup;
 
@@ -73,6 +73,7 @@ static inline const RfTracer* rf_group_tracer( const RfEstimatorGroup* group, in
 typedef struct RfEstimatorSizes
 {
     int jobs;                  // batches of a pass of one frame
+    size_t compiled;           // what `compile` makes; 0: nothing
     size_t batch;              // a batch's records
     size_t trace_scratch;      // workspace of `trace`, per thread
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
@@ -152,6 +153,9 @@ struct RfEstimator
 
     // Sizes for such groups. Only traits, settings, film size and eye_count count.
     RfEstimatorSizes ( *sizes )( const RfEstimatorGroup* group );
+
+    // NULL without sizes.compiled. Derives once, before all else, what depends on traits, settings, film size and eye_count alone.
+    void ( *compile )( const RfEstimatorGroup* group, void* compiled );
 
     // Prepare sizes.batch and sizes.trace_scratch bytes, aligned to 64, before their first use.
     // A batch laid out for a group serves groups of fewer cameras, too.

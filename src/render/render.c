@@ -188,8 +188,11 @@ static void join_light( RfRenderSetup* setup )
 // The memory of a render that is set up; what was allocated before a failure is freed as after a render.
 static RfResult alloc_render( RfRenderer* r, RfError* error )
 {
+    RfResult result = rf_compile_groups( r, error );
+    if ( result != RF_OK )
+        return result;
     RfEstimatorGroup group = rf_frames_as_group( r, 0, r->setup->plan.eyes, 0 );
-    RfResult result = rf_alloc_render_memory( &group, &r->setup->sizes, &r->memory, error );
+    result = rf_alloc_render_memory( &group, &r->setup->sizes, &r->memory, error );
     if ( result == RF_OK )
         result = rf_make_surface_tables( rf_tracer_scene( r->setup->shot.tracer ), &r->setup->settings, &r->surfaces, error );
     return result == RF_OK ? rf_alloc_traced_jobs( r, error ) : result;
@@ -283,6 +286,7 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         rf_destroy_worlds( &r.worlds );
         omp_set_num_threads( before );
         free( r.traced_jobs );
+        free( r.compiled );
         rf_destroy_surface_tables( &r.surfaces );
     }
     if ( stats != NULL )

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdlib.h>
 
 RfPass rf_make_pass( const RfEstimatorGroup* estimator_group, const RfGroup* group, int number )
 {
@@ -60,7 +61,23 @@ RfEstimatorGroup rf_frames_as_group( RfRenderer* r, int first_frame, int eye_cou
         .clamp = r->clamps != NULL ? r->clamps + first_frame : NULL,
         .number = number,
         .passes_before = -1,
+        .compiled = rf_compiled( r, eye_count ),
     };
+}
+
+RfResult rf_compile_groups( RfRenderer* r, RfError* error )
+{
+    size_t each = r->setup->sizes.of_estimator.compiled, all = (size_t)r->setup->plan.eyes;
+    char* compiled = each > 0 ? calloc( all, each ) : NULL;
+    if ( each > 0 && compiled == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for groups of up to %zu frames", all );
+    for ( int eyes = 1; eyes <= (int)all && compiled != NULL; ++eyes )
+    {
+        RfEstimatorGroup group = rf_frames_as_group( r, 0, eyes, 0 );
+        r->setup->settings.estimator->compile( &group, compiled + (size_t)( eyes - 1 ) * each );
+    }
+    r->compiled = compiled;
+    return RF_OK;
 }
 
 RfEstimatorGroup rf_estimator_group( RfRenderer* r, int number )

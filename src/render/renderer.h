@@ -55,6 +55,7 @@ struct RfRenderer
     bool resuming; // until the pass at this place goes on
     RfStop stop;   // with settings.noise, flicker or time
     RfUntil until;
+    char* compiled; // groups of 1, 2, … frames (RfEstimatorGroup.compiled); NULL: there is nothing
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
@@ -94,6 +95,16 @@ void rf_trace_batches( RfRenderer* renderer, const RfPass* pass, int first, int 
 
 // Rows of a frame of the group as one of `bands` jobs.
 RfAccumulateJob rf_accumulate_job( const RfRenderer* renderer, RfLiveFilm* live, const RfPass* pass, int band, int bands );
+
+// Compiles the groups, before all else that is done with them.
+RfResult rf_compile_groups( RfRenderer* renderer, RfError* error );
+
+// A group of so many frames compiled.
+static inline const void* rf_compiled( const RfRenderer* renderer, int eye_count )
+{
+    size_t each = renderer->setup->sizes.of_estimator.compiled;
+    return renderer->compiled != NULL ? renderer->compiled + (size_t)( eye_count - 1 ) * each : NULL;
+}
 
 // Group `number` of the path as the estimator sees it.
 RfEstimatorGroup rf_estimator_group( RfRenderer* renderer, int number );

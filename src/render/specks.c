@@ -197,8 +197,6 @@ static void trace( const Shape* shape, Work* work )
         next = swap;
     }
     wavefront->rays = work->last;
-    wavefront->spent = NULL;
-    wavefront->chain_light = NULL;
     rf_clear_ray_counts( wavefront );
     rf_clear_arrivals( count, &wavefront->arrivals );
     rf_trace_tails( &shape->path, wavefront, 1 );
@@ -354,8 +352,9 @@ static void sum_up( const Speck* found, int count, RfSpecks* specks )
 }
 
 // The group that the workspaces were laid out for: of its sizes alone.
-static RfEstimatorGroup sizes_group( const RfRenderSetup* setup )
+static RfEstimatorGroup sizes_group( const RfRenderer* r )
 {
+    const RfRenderSetup* setup = r->setup;
     return ( RfEstimatorGroup ){ .tracer = setup->shot.tracer,
                                  .settings = &setup->settings,
                                  .traits = setup->traits,
@@ -363,7 +362,8 @@ static RfEstimatorGroup sizes_group( const RfRenderSetup* setup )
                                  .height = setup->sizes.height,
                                  .max_depth = setup->settings.max_depth,
                                  .eyes = setup->shot.eyes,
-                                 .eye_count = setup->plan.eyes };
+                                 .eye_count = setup->plan.eyes,
+                                 .compiled = rf_compiled( r, setup->plan.eyes ) };
 }
 
 void rf_find_specks( RfRenderer* r, const RfLiveFilm* live, const RfSpeckList* list, RfSpecks* specks )
@@ -373,7 +373,7 @@ void rf_find_specks( RfRenderer* r, const RfLiveFilm* live, const RfSpeckList* l
     if ( list->count == 0 || setup->sizes.of_estimator.trace_scratch < sizeof( Work ) )
         return;
     Shape shape = make_shape( r, live, list->count );
-    RfEstimatorGroup group = sizes_group( setup );
+    RfEstimatorGroup group = sizes_group( r );
     Speck found[RF_LISTED_SPECKS];
     int at_once = shape.samples < RAYS_AT_ONCE ? RAYS_AT_ONCE / shape.samples : 1; // pixels
 #pragma omp parallel num_threads( setup->settings.threads )

@@ -19,13 +19,12 @@ typedef struct Landed
 
 // Records as they were harvested, and then as each frame of the group weights them: these have directions, light, density_sum and
 // rows of their own, and share the rest.
-static RfHitBatch** place_batches( const RfEstimatorGroup* group, RfLayout* layout )
+static RfHitBatch** place_batches( const RfBatchShape* shape, RfLayout* layout )
 {
-    RfBatchShape shape = rf_batch_shape( group );
-    RfHitBatch** batches = rf_take( layout, (size_t)shape.eyes + 1, sizeof *batches );
-    for ( int i = 0; i <= shape.eyes; ++i )
+    RfHitBatch** batches = rf_take( layout, (size_t)shape->eyes + 1, sizeof *batches );
+    for ( int i = 0; i <= shape->eyes; ++i )
     {
-        RfHitBatch* hits = rf_place_batch( &shape, layout );
+        RfHitBatch* hits = rf_place_batch( shape, layout );
         if ( batches != NULL )
             batches[i] = hits;
     }
@@ -37,12 +36,11 @@ static size_t landed_words( const RfEstimatorGroup* group )
     return (size_t)group->width * (size_t)group->height * (size_t)( group->eye_count * rf_seen_words( group->eye_count ) );
 }
 
-static Landed* place_landed( const RfEstimatorGroup* group, RfLayout* layout )
+static Landed* place_landed( const RfEstimatorGroup* group, const RfBatchShape* shape, RfLayout* layout )
 {
-    RfBatchShape shape = rf_batch_shape( group );
     Landed* landed = rf_take( layout, 1, sizeof *landed );
-    RfHitBatch* hits = rf_place_batch( &shape, layout );
-    RfHarvestScratch* scratch = rf_place_harvest_scratch( &shape, layout );
+    RfHitBatch* hits = rf_place_batch( shape, layout );
+    RfHarvestScratch* scratch = rf_place_harvest_scratch( shape, layout );
     RF_PLACE( layout, landed->eyes, landed_words( group ) );
     if ( landed != NULL )
     {
@@ -67,10 +65,12 @@ static RfResult check( const RfRenderSettings* s, RfError* error )
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
     RfEstimatorSizes sizes = rf_reuse_estimator.sizes( group );
+    RfReusePlan plan;
     RfLayout batches = { 0 }, landed = { 0 };
-    place_batches( group, &batches );
+    rf_compile_reuse( group, false, &plan );
+    place_batches( &plan.shape, &batches );
     if ( group->settings->weights == RF_WEIGHTS_EQ15 )
-        place_landed( group, &landed );
+        place_landed( group, &plan.shape, &landed );
     sizes.batch = batches.bytes;
     sizes.landing = 0;
     sizes.shared = landed.bytes;
@@ -80,9 +80,11 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     return sizes;
 }
 
+static void compile( const RfEstimatorGroup* group, void* out ) { rf_compile_reuse( group, false, out ); }
+
 static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
 {
-    place_batches( group, &( RfLayout ){ .memory = memory } );
+    place_batches( &rf_reuse_plan( group )->shape, &( RfLayout ){ .memory = memory } );
 }
 
 static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
@@ -98,7 +100,7 @@ static void find_landed( const RfHarvest* at, int eye, const RfHitBatch* hits, u
     float density[RF_LANES];
     const int32_t* pixel = eye == hits->eye ? hits->pixel : projected;
     const uint32_t* seen = hits->seen + eye / 32 * RF_LANES;
-    size_t each = (size_t)rf_seen_words( at->shape.eyes ), first = (size_t)eye * (size_t)camera->width * (size_t)camera->height;
+    size_t each = (size_t)rf_seen_words( at->shape->eyes ), first = (size_t)eye * (size_t)camera->width * (size_t)camera->height;
     if ( eye != hits->eye )
         rf_project_batch( rf_tracer_mirrors( at->path.tracer ), camera, hits,
                           ( RfProjectedLanes ){ .pixel = projected, .density = density } );
@@ -109,18 +111,18 @@ static void find_landed( const RfHarvest* at, int eye, const RfHitBatch* hits, u
 static void prepare( const RfEstimatorGroup* group, int pass, void* memory, RfRayCounts* rays )
 {
     RfEstimatorGroup ahead = *group;
-    Landed* landed = place_landed( group, &( RfLayout ){ .memory = memory } );
+    Landed* landed = place_landed( group, &rf_reuse_plan( group )->shape, &( RfLayout ){ .memory = memory } );
     RfRayCounts counts = { 0 };
     ahead.first_hits_only = true;
     ahead.shared = NULL;
     RfHarvest harvest = rf_make_harvest( &ahead );
     memset( landed->eyes, 0, landed_words( group ) * sizeof *landed->eyes );
     rf_set_float_mode();
-    for ( int k = 0; k < group->eye_count * harvest.patches.count; ++k )
+    for ( int k = 0; k < group->eye_count * harvest.plan->patches.count; ++k )
     {
-        RfTraceJob job = { .eye = k / harvest.patches.count, .job = k % harvest.patches.count, .pass = pass };
+        RfTraceJob job = { .eye = k / harvest.plan->patches.count, .job = k % harvest.plan->patches.count, .pass = pass };
         uint32_t* words[RF_LANES];
-        rf_harvest_batch( &harvest, job, landed->hits, landed->scratch, &counts );
+        rf_harvest_batch( &ahead, job, landed->hits, landed->scratch, &counts );
         RfHarvest at = rf_harvest_at( &harvest, job.eye, landed->hits->lens, landed->scratch );
         for ( int eye = 0; eye < group->eye_count; ++eye )
         {
@@ -144,7 +146,7 @@ static void weight_for( const RfHarvest* at, int eye, const Landed* landed, cons
     float counted[RF_LANES] = { 0.0f };
     if ( landed != NULL )
         find_landed( at, eye, hits, landed->eyes, words );
-    for ( int i = 0; i < at->shape.eyes * hits->count; ++i )
+    for ( int i = 0; i < at->shape->eyes * hits->count; ++i )
     {
         int l = i / hits->count, k = i % hits->count;
         bool counts = words[k] != NULL ? ( words[k][l / 32] >> l % 32 & 1u ) != 0 : l == hits->eye;
@@ -156,11 +158,11 @@ static void weight_for( const RfHarvest* at, int eye, const Landed* landed, cons
     out->light = own.light;
     out->density_sum = counted;
     out->rows = own.rows;
-    memset( own.rows, 0, 2 * (size_t)at->shape.eyes * sizeof *own.rows ); // no camera is left out
+    memset( own.rows, 0, 2 * (size_t)at->shape->eyes * sizeof *own.rows ); // no camera is left out
     rf_weight_batch( at, out, scratch );
     size_t others = (size_t)( hits->miss_count + hits->glint_count ), first = 4 * (size_t)hits->count;
     memcpy( out->light->radiance + first, hits->light->radiance + first, 4 * others * sizeof( float ) );
-    memcpy( own.rows, hits->rows, 2 * (size_t)at->shape.eyes * sizeof *own.rows );
+    memcpy( own.rows, hits->rows, 2 * (size_t)at->shape->eyes * sizeof *own.rows );
     out->density_sum = own.density_sum;
 }
 
@@ -170,10 +172,10 @@ static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* memory, v
     RfHarvestScratch* scratch = workspace;
     RfEstimatorGroup plain = *group;
     plain.shared = NULL; // no light paths
-    RfHarvest harvest = rf_make_harvest( &plain );
-    int count = rf_harvest_batch( &harvest, job, hits, scratch, rays );
+    int count = rf_harvest_batch( &plain, job, hits, scratch, rays );
     if ( group->first_hits_only )
         return count;
+    RfHarvest harvest = rf_make_harvest( &plain );
     RfHarvest at = rf_harvest_at( &harvest, job.eye, hits->lens, scratch );
     // with the density of the frame's camera for the sum of all, accumulation counts each hit once
     for ( int i = 0; i < group->eye_count * hits->count; ++i )
@@ -222,6 +224,7 @@ const RfEstimator rf_biased_estimator = {
     .other_weights = &rf_reuse_estimator,
     .check = check,
     .sizes = sizes,
+    .compile = compile,
     .lay_out_batch = lay_out_batch,
     .lay_out_scratch = lay_out_scratch,
     .prepare = prepare,

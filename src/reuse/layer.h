@@ -73,4 +73,18 @@ static inline RfDirections rf_layer_directions( const RfLayerSet* set, int layer
     return set->by_kind ? s_of_kind[layer % RF_KINDS] : RF_DIRECTIONS_ALL;
 }
 
+// Which layers a film is made of; RF_ALL: of all base parts, of all kinds.
+#define RF_ALL ( -1 )
+typedef struct RfFilmLayers
+{
+    int base, kind;
+    bool removed; // light, else that of the picture
+} RfFilmLayers;
+
+// Whether a film has a layer.
+static inline bool rf_is_in_film( RfFilmLayers film, int base, RfLayerKind kind )
+{
+    return ( film.base == RF_ALL || film.base == base ) && ( film.kind == RF_ALL || film.kind == (int)kind );
+}
+
 #endif

@@ -2,7 +2,7 @@
 #include "reuse/reuse.h"
 
 #include "reuse/accumulate/accumulate.h"
-#include "reuse/accumulate/reprojection.h"
+#include "reuse/project.h"
 #include "reuse/biased_weights.h"
 #include "reuse/harvest/connection_share.h"
 #include "reuse/harvest/glints.h"
@@ -30,53 +30,58 @@ static size_t record_bytes( const RfBatchShape* shape )
 }
 
 // What all batches of a pass share: light paths, and what their share is chosen in.
-static RfLightPaths* place_shared( const RfEstimatorGroup* group, RfLayout* layout, RfPilot** pilot )
+static RfLightPaths* place_shared( const RfEstimatorGroup* group, const RfBatchShape* shape, RfLayout* layout, RfPilot** pilot )
 {
     RfLightPaths* paths = rf_place_light_paths( group, layout );
-    *pilot = rf_place_pilot( group, layout );
+    *pilot = rf_place_pilot( group, shape, layout );
     return paths;
 }
 
 static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
 {
-    RfBatchShape shape = rf_batch_shape( group ), diffuse = shape;
-    RfLayout scratch = { 0 }, shared = { 0 };
+    RfReusePlan plan;
+    rf_compile_reuse( group, false, &plan );
+    const RfBatchShape* shape = &plan.shape;
+    RfBatchShape diffuse = *shape;
+    RfLayout scratch = { 0 }, shared = { 0 }, accumulation = { 0 }, landing = { 0 };
     RfPilot* pilot;
     diffuse.params = 0;
-    rf_place_harvest_scratch( &shape, &scratch );
-    if ( shape.connections )
-        place_shared( group, &shared, &pilot );
+    rf_place_harvest_scratch( shape, &scratch );
+    rf_place_accumulation( &plan, &accumulation );
+    rf_place_landing( &plan, &landing );
+    if ( shape->connections )
+        place_shared( group, shape, &shared, &pilot );
     return ( RfEstimatorSizes ){
-        .jobs = rf_lay_out_patches( &group->settings->tile, group->traits.scattered, group->width, group->height ).count,
-        .batch = batch_bytes( &shape ),
+        .jobs = plan.patches.count,
+        .compiled = sizeof plan,
+        .batch = batch_bytes( shape ),
         .trace_scratch = scratch.bytes,
-        .accumulate_scratch = rf_accumulate_scratch_bytes( group ),
-        .landing = rf_landing_bytes( group ),
+        .accumulate_scratch = accumulation.bytes,
+        .landing = landing.bytes,
         .shared = shared.bytes,
         .shared_name = "light paths",
-        .splits = shape.own_light && !shape.caustics,
+        .splits = shape->own_light && !shape->caustics,
         .diffuse_record = record_bytes( &diffuse ),
-        .glossy_record = record_bytes( &shape ),
-        .directions = rf_direction_count( &shape ),
+        .glossy_record = record_bytes( shape ),
+        .directions = rf_direction_count( shape ),
     };
 }
 
+static void compile( const RfEstimatorGroup* group, void* out ) { rf_compile_reuse( group, false, out ); }
+
 static void lay_out_batch( const RfEstimatorGroup* group, void* memory )
 {
-    RfBatchShape shape = rf_batch_shape( group );
-    rf_place_batch( &shape, &( RfLayout ){ .memory = memory } );
+    rf_place_batch( &rf_reuse_plan( group )->shape, &( RfLayout ){ .memory = memory } );
 }
 
 static void lay_out_scratch( const RfEstimatorGroup* group, void* memory )
 {
-    RfBatchShape shape = rf_batch_shape( group );
-    rf_place_harvest_scratch( &shape, &( RfLayout ){ .memory = memory } );
+    rf_place_harvest_scratch( &rf_reuse_plan( group )->shape, &( RfLayout ){ .memory = memory } );
 }
 
 static int trace( const RfEstimatorGroup* group, RfTraceJob job, void* batch, void* scratch, RfRayCounts* rays )
 {
-    RfHarvest harvest = rf_make_harvest( group );
-    return rf_harvest_batch( &harvest, job, batch, scratch, rays );
+    return rf_harvest_batch( group, job, batch, scratch, rays );
 }
 
 static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRayCounts* rays )
@@ -85,7 +90,7 @@ static void prepare( const RfEstimatorGroup* group, int pass, void* shared, RfRa
     if ( paths->share_of != group->number + 1 )
     {
         RfPilot* pilot;
-        place_shared( group, &( RfLayout ){ .memory = shared }, &pilot );
+        place_shared( group, &rf_reuse_plan( group )->shape, &( RfLayout ){ .memory = shared }, &pilot );
         rf_choose_connection_share( group, paths, pilot, rays );
     }
     paths->share_of = group->number + 1;
@@ -196,6 +201,7 @@ const RfEstimator rf_reuse_estimator = {
     .other_weights = &rf_biased_estimator,
     .check = check,
     .sizes = sizes,
+    .compile = compile,
     .lay_out_batch = lay_out_batch,
     .lay_out_scratch = lay_out_scratch,
     .prepare = prepare,

@@ -119,7 +119,7 @@ static int check_area_lights( long count )
         for ( long end = first + 2000; first < end; first += 1000 )
         {
             fill_points( v, keys, rf_tracer_lights( tracer ), 49, first );
-            TRAPPED( rf_sample_lights( &settings, keys, v, 0, got, &keys->scratch ) );
+            TRAPPED( rf_sample_lights( &settings, keys, v, ( RfLightSample ){ 0 }, got, &keys->scratch ) );
             for ( int i = 0; i < v->count; ++i )
                 judge_light( &s_check, rf_tracer_lights( tracer ), v, keys, got, i );
         }

@@ -20,7 +20,7 @@ typedef struct Probe
     RfRenderSettings settings; // with a seed of its own
     RfArena arena;
     RfRenderSizes sizes; // for the largest group looked at
-    void *scratch, *batch;
+    void *compiled, *scratch, *batch;
     RfEstimatorGroup group;
     int eye; // index in it of the frame that is traced
     RfWorlds worlds;
@@ -42,10 +42,20 @@ typedef struct Counts
 
 #define PROBE_SEED 1 // whatever that of the render: the choice of the group is not to depend on it
 
+static void compile_group( Probe* p )
+{
+    p->group.compiled = p->compiled;
+    if ( p->compiled != NULL )
+        p->settings.estimator->compile( &p->group, p->compiled );
+}
+
 static RfResult alloc_probe( Probe* p, RfError* error )
 {
     const RfEstimator* estimator = p->settings.estimator;
-    RfResult result = rf_arena_alloc( &p->arena, "scratch", p->sizes.of_estimator.trace_scratch, &p->scratch, error );
+    RfResult result = rf_arena_alloc( &p->arena, "group", p->sizes.of_estimator.compiled, &p->compiled, error );
+    compile_group( p );
+    if ( result == RF_OK )
+        result = rf_arena_alloc( &p->arena, "scratch", p->sizes.of_estimator.trace_scratch, &p->scratch, error );
     if ( result != RF_OK )
         return result;
     estimator->lay_out_scratch( &p->group, p->scratch );
@@ -78,6 +88,7 @@ static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* setting
 static void end_probe( Probe* p )
 {
     rf_destroy_worlds( &p->worlds );
+    rf_arena_free( &p->arena, "group", p->compiled, p->sizes.of_estimator.compiled );
     rf_arena_free( &p->arena, "scratch", p->scratch, p->sizes.of_estimator.trace_scratch );
     rf_arena_free( &p->arena, "hit records", p->batch, p->sizes.of_estimator.batch );
     p->scratch = NULL;
@@ -93,6 +104,7 @@ static void aim_probe( Probe* p, int frame, int eyes )
     p->group.first_frame = first;
     p->group.eye_count = eyes;
     p->eye = frame - first;
+    compile_group( p );
     p->group.tracers = rf_open_worlds( &p->worlds, first, eyes );
     p->group.tracer = p->group.tracers != NULL && eyes == 1 ? *p->group.tracers : p->worlds.still;
 }

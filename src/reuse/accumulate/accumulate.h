@@ -3,13 +3,11 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
 #define REFRAME_REUSE_ACCUMULATE_ACCUMULATE_H
 
-#include "render/estimator.h"
-#include "reuse/harvest/records.h"
-#include "scene/lens.h"
+#include "reuse/accumulate/splat.h"
 
-// Bytes of a thread's workspace, and of a landing.
-size_t rf_accumulate_scratch_bytes( const RfEstimatorGroup* group );
-size_t rf_landing_bytes( const RfEstimatorGroup* group );
+// A thread's workspace, and an empty landing.
+void rf_place_accumulation( const RfReusePlan* plan, RfLayout* layout );
+RfLandedHits* rf_place_landing( const RfReusePlan* plan, RfLayout* layout );
 
 // Adds batches to some rows of the films; returns how many samples landed there. Jobs on
 // different rows or films may run at the same time.

@@ -9,22 +9,6 @@ static int count_sums( const RfBatchShape* shape )
     return shape->layers.base_parts * rf_hit_kinds( &shape->layers ) + shape->layers.removed;
 }
 
-int rf_list_film_layers( const RfBatchShape* shape, unsigned aovs, RfFilmLayers* out )
-{
-    int count = 0;
-    out[count++] = ( RfFilmLayers ){ RF_ALL, RF_ALL, false };
-    for ( int base = 0; base < shape->groups; ++base )
-        out[count++] = ( RfFilmLayers ){ base, RF_ALL, false };
-    for ( int kind = 0; kind < RF_KINDS && shape->layers.by_kind; ++kind )
-    {
-        if ( ( aovs & RF_AOV_BIT( RF_AOV_EMISSION + kind ) ) != 0 )
-            out[count++] = ( RfFilmLayers ){ RF_ALL, kind, false };
-    }
-    if ( shape->layers.removed )
-        out[count++] = ( RfFilmLayers ){ RF_ALL, RF_ALL, true };
-    return count;
-}
-
 RfHitLights* rf_place_hit_lights( const RfBatchShape* shape, RfLayout* layout )
 {
     RfHitLights* lights = rf_take( layout, 1, sizeof *lights );

@@ -4,19 +4,7 @@
 #define REFRAME_REUSE_ACCUMULATE_HIT_LIGHT_H
 
 #include "light/light.h"
-#include "reuse/accumulate/reprojection.h"
-
-// Which layers a film is made of; RF_ALL: of all base parts, of all kinds.
-#define RF_ALL ( -1 )
-typedef struct RfFilmLayers
-{
-    int base, kind;
-    bool removed; // light, else that of the picture
-} RfFilmLayers;
-
-// The films of a frame: the picture, light groups in the order of their base parts, passes, removed light.
-#define RF_FRAME_FILMS_MOST ( 2 + RF_LIGHT_GROUPS_MOST + RF_KINDS )
-int rf_list_film_layers( const RfBatchShape* shape, unsigned aovs, RfFilmLayers* out );
+#include "reuse/project.h"
 
 // Of glossy hits, from lane 0 on.
 typedef struct RfGlossyLight
@@ -67,11 +55,5 @@ RfHitLight rf_film_light( const RfHitBatch* batch, RfFilmLayers film, RfHitLight
 
 // Whether a film has light of the batch in the frame of camera `eye`. Removed caustics count in their own frame alone.
 bool rf_film_is_lit( const RfBatchShape* shape, const RfHitBatch* batch, RfFilmLayers film, int eye );
-
-// Whether a film has a layer.
-static inline bool rf_is_in_film( RfFilmLayers film, int base, RfLayerKind kind )
-{
-    return ( film.base == RF_ALL || film.base == base ) && ( film.kind == RF_ALL || film.kind == (int)kind );
-}
 
 #endif

@@ -2,8 +2,8 @@
 #ifndef REFRAME_REUSE_ACCUMULATE_SPLAT_H
 #define REFRAME_REUSE_ACCUMULATE_SPLAT_H
 
-#include "render/estimator.h"
 #include "reuse/accumulate/hit_light.h"
+#include "reuse/plan.h"
 
 // The films of a job that its batches add to. Only pixels [low, end) belong to it.
 typedef struct RfSplatFilm
@@ -48,7 +48,7 @@ typedef struct RfLandedHits
 } RfLandedHits;
 
 // An empty landing, for so many films.
-RfLandedHits* rf_place_landing( int films, bool filtered, bool covering, RfLayout* layout );
+RfLandedHits* rf_place_landed_hits( int films, bool filtered, bool covering, RfLayout* layout );
 
 // The hits of a batch at a camera.
 typedef struct RfProjectedHits

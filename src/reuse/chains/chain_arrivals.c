@@ -20,7 +20,7 @@ static void list_hits( const RfHarvestScratch* scratch, RfChainSamples* samples 
 static void add_own( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChainSampling sampling )
 {
     const RfVertexLanes* v = scratch->hits;
-    const RfChainLight* chain_light = scratch->wavefront.chain_light;
+    const RfChainLight* chain_light = harvest->path.chain_light;
     for ( int i = 0; i < rf_record_count( v ); ++i )
     {
         int slot = v->slot[i];
@@ -41,7 +41,8 @@ static void add_own( const RfHarvest* harvest, RfHarvestScratch* scratch, RfChai
             cosine += v->n[c][i] * scratch->scattered[c][i];
         }
         if ( taken )
-            arrivals->light_pdf_solid_angle[slot] = rf_chain_sample_pdf( sampling, cosine ) / (float)harvest->shape.light_samples;
+            arrivals->light_pdf_solid_angle[slot] =
+                rf_chain_sample_pdf( sampling, cosine ) / (float)harvest->shape->light_samples;
     }
 }
 

@@ -9,7 +9,7 @@
 #define RF_SHARED_CHAIN_WORTH 3.0f
 static inline RfChainSampling rf_chain_sampling( const RfHarvest* harvest, bool shared )
 {
-    return ( RfChainSampling ){ harvest->shape.chain_samples, shared ? RF_SHARED_CHAIN_WORTH : 1.0f };
+    return ( RfChainSampling ){ harvest->shape->chain_samples, shared ? RF_SHARED_CHAIN_WORTH : 1.0f };
 }
 
 // Adds light that paths found by chains to what arrives at their hits, and traces chain samples.

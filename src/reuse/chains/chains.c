@@ -83,7 +83,8 @@ static void light_lobes( const RfPathSettings* path, int vertex, const RfVertexL
     for ( int j = 0; j < path->light_samples; ++j )
     {
         uint32_t dimension = dimension_of( path, vertex ) + RF_DIMENSION_LIGHTS + 3u * (uint32_t)j;
-        wavefront->shadow_rays += (uint64_t)rf_sample_lights( path, wavefront, v, dimension, lights, s );
+        wavefront->shadow_rays +=
+            (uint64_t)rf_sample_lights( path, wavefront, v, ( RfLightSample ){ dimension, path->frame }, lights, s );
         const float* wi[3] = { lights->wi[0], lights->wi[1], lights->wi[2] };
         rf_evaluate_lanes( v, wi, f, s->pdf );
         for ( int i = 0; i < v->count; ++i )

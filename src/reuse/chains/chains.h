@@ -4,7 +4,7 @@
 #define REFRAME_REUSE_CHAINS_CHAINS_H
 
 #include "path/wavefront.h"
-#include "reuse/harvest/records.h"
+#include "reuse/record.h"
 
 // Light that chains bring for their own pixel, of a base part and by their first event, by slot.
 typedef struct RfChainFinds

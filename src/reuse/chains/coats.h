@@ -4,7 +4,7 @@
 #ifndef REFRAME_REUSE_CHAINS_COATS_H
 #define REFRAME_REUSE_CHAINS_COATS_H
 
-#include "reuse/harvest/records.h"
+#include "reuse/record.h"
 #include "scene/eye.h"
 
 static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )

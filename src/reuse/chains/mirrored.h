@@ -3,7 +3,7 @@
 #ifndef REFRAME_REUSE_CHAINS_MIRRORED_H
 #define REFRAME_REUSE_CHAINS_MIRRORED_H
 
-#include "reuse/harvest/records.h"
+#include "reuse/record.h"
 #include "scene/eye.h"
 
 // Where the hits of a batch land on the film of a camera, by hit.

@@ -2,6 +2,7 @@
 // of the shutter.
 #include "reuse/harvest/camera_rays.h"
 
+#include "render/pieces.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -13,19 +14,19 @@
 // The lattice of a pass of a frame: its half and its number in that. False for pilots and extra samples, whose numbers are random.
 static bool find_point( const RfHarvest* harvest, int eye, int pass, RfLattice* lattice )
 {
-    if ( harvest->passes_before < 0 || harvest->need != NULL )
+    if ( harvest->group->passes_before < 0 || harvest->group->need != NULL )
         return false;
-    int64_t number = harvest->passes_before + pass;
-    lattice->half = rf_pass_key( harvest->seed ^ LATTICE_SALT, 0, 0, (uint32_t)( number & 1 ) );
+    int64_t number = harvest->group->passes_before + pass;
+    lattice->half = rf_pass_key( harvest->group->settings->seed ^ LATTICE_SALT, 0, 0, (uint32_t)( number & 1 ) );
     lattice->pass = (uint32_t)( number >> 1 );
-    lattice->frame = (uint32_t)( harvest->first_frame + eye );
+    lattice->frame = (uint32_t)( harvest->group->first_frame + eye );
     return true;
 }
 
 RfLensSample rf_draw_lens( const RfHarvest* harvest, RfTraceJob job )
 {
     uint64_t pass_key = rf_harvest_key( harvest, job.eye, job.pass ) ^ LENS_SALT;
-    RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->round ), (uint32_t)job.job );
+    RfRandomKey key = rf_pixel_key( rf_mix64( pass_key + (uint64_t)harvest->group->round ), (uint32_t)job.job );
     float u[3];
     for ( uint32_t c = 0; c < 3; ++c )
         u[c] = rf_random( key, c );
@@ -55,7 +56,7 @@ typedef struct Tiles
 
 static void list_tiles( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, Tiles* out )
 {
-    bool in_tiles = rf_reuses_tiles( scratch ) && !harvest->single;
+    bool in_tiles = rf_reuses_tiles( scratch ) && !harvest->group->single;
     out->count = in_tiles ? scratch->tile_count : count;
     memset( out->size, 0, sizeof out->size );
     memset( out->need, 0, sizeof out->need );
@@ -63,7 +64,7 @@ static void list_tiles( const RfHarvest* harvest, int count, const RfHarvestScra
     {
         int t = in_tiles ? scratch->tile_of[i] : i;
         out->of[i] = t;
-        out->need[t] += harvest->need[scratch->pixel[i]];
+        out->need[t] += harvest->group->need[scratch->pixel[i]];
         out->size[t] += 1;
     }
     for ( int t = 0; t < out->count; ++t )
@@ -75,14 +76,14 @@ static float draw_tile( uint64_t key, int tile ) { return rf_random( rf_pixel_ke
 bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
 {
     const RfEye* eye = harvest->eyes + job.eye;
-    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + job.eye );
+    const uint8_t* cells = rf_frame_cells( harvest->group->settings->pieces, harvest->group->first_frame + job.eye );
     int x0, y0, x1, y1;
-    rf_bound_patch( &harvest->patches, eye, rf_harvest_key( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
+    rf_bound_patch( &harvest->plan->patches, eye, rf_harvest_key( harvest, job.eye, job.pass ), job.job, &x0, &y0, &x1, &y1 );
     for ( int y = y0 / RF_CELL_SIDE; y < rf_cells_along( y1 ); ++y )
     {
         for ( int x = x0 / RF_CELL_SIDE; x < rf_cells_along( x1 ); ++x )
         {
-            if ( rf_is_traced( harvest->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
+            if ( rf_is_traced( harvest->group->settings->pieces, cells, x * RF_CELL_SIDE, y * RF_CELL_SIDE ) )
                 return true;
         }
     }
@@ -92,14 +93,14 @@ bool rf_is_patch_traced( const RfHarvest* harvest, RfTraceJob job )
 // Drops the listed pixels whose tiles have no pixel in the pieces that are traced. Returns how many are left.
 static int choose_traced( const RfHarvest* harvest, int eye, int count, RfHarvestScratch* scratch )
 {
-    const uint8_t* cells = rf_frame_cells( harvest->pieces, harvest->first_frame + eye );
+    const uint8_t* cells = rf_frame_cells( harvest->group->settings->pieces, harvest->group->first_frame + eye );
     int width = harvest->eyes[eye].width;
     bool in_tiles = rf_reuses_tiles( scratch ), traced[RF_LANES] = { false };
     for ( int i = 0; i < count; ++i )
     {
         int y = scratch->pixel[i] / width, x = scratch->pixel[i] - y * width;
         int tile = in_tiles ? scratch->tile_of[i] : i;
-        traced[tile] = traced[tile] || rf_is_traced( harvest->pieces, cells, x, y );
+        traced[tile] = traced[tile] || rf_is_traced( harvest->group->settings->pieces, cells, x, y );
     }
     int left = 0;
     for ( int i = 0; i < count; ++i )
@@ -112,7 +113,7 @@ static int choose_traced( const RfHarvest* harvest, int eye, int count, RfHarves
     return left;
 }
 
-// Adaptive sampling by rounds: a tile is sampled with the probability mean need − harvest->round. Returns how many pixels are
+// Adaptive sampling by rounds: a tile is sampled with the probability mean need − harvest->group->round. Returns how many pixels are
 // left.
 static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch )
 {
@@ -120,7 +121,7 @@ static int choose_needy( const RfHarvest* harvest, uint64_t key, int count, RfHa
     list_tiles( harvest, count, scratch, &list );
     bool chosen[RF_LANES];
     for ( int t = 0; t < list.count; ++t )
-        chosen[t] = list.size[t] > 0 && list.need[t] - (float)harvest->round > draw_tile( key, t );
+        chosen[t] = list.size[t] > 0 && list.need[t] - (float)harvest->group->round > draw_tile( key, t );
     int left = 0;
     for ( int i = 0; i < count; ++i )
     {
@@ -145,7 +146,7 @@ static int count_copies( const Tiles* list, uint64_t key, int32_t* copies )
 }
 
 // All rounds at once: each sample of a tile is a tile of its own, copy[] its number among these. Tiles are packed into
-// wavefronts, of which this lists number harvest->round.
+// wavefronts, of which this lists number harvest->group->round.
 static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarvestScratch* scratch, int32_t* copy )
 {
     Tiles list;
@@ -163,7 +164,7 @@ static int pack_needy( const RfHarvest* harvest, uint64_t key, int count, RfHarv
                 continue;
             wavefront += used + list.size[t] > RF_PATCH_PIXELS;
             used = used + list.size[t] > RF_PATCH_PIXELS ? list.size[t] : used + list.size[t];
-            if ( wavefront == harvest->round )
+            if ( wavefront == harvest->group->round )
                 number[t] = scratch->tile_count++;
         }
         for ( int i = 0; i < count; ++i )
@@ -215,17 +216,18 @@ int rf_list_pixels( const RfHarvest* harvest, RfTraceJob job, RfHarvestScratch* 
     const RfEye* eye = harvest->eyes + job.eye;
     RfWavefront* wavefront = &scratch->wavefront;
     uint64_t key = rf_harvest_key( harvest, job.eye, job.pass );
-    int count = rf_list_patch( &harvest->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &scratch->tile_count );
+    int count =
+        rf_list_patch( &harvest->plan->patches, eye, key, job.job, scratch->pixel, scratch->tile_of, &scratch->tile_count );
     int32_t copy[RF_LANES];
-    if ( rf_is_adaptive( harvest ) && harvest->packed )
+    if ( rf_is_adaptive( harvest ) && harvest->group->packed )
         count = pack_needy( harvest, key, count, scratch, copy );
     else if ( rf_is_adaptive( harvest ) )
         count = choose_needy( harvest, key, count, scratch );
-    else if ( harvest->pieces != NULL )
+    else if ( harvest->group->settings->pieces != NULL )
         count = choose_traced( harvest, job.eye, count, scratch );
     make_keys( key, count, scratch->pixel, wavefront );
     set_lattice( harvest, job, count, scratch->pixel, &wavefront->lattice );
-    if ( rf_is_adaptive( harvest ) && harvest->packed )
+    if ( rf_is_adaptive( harvest ) && harvest->group->packed )
         make_copies_keys( harvest, job, count, copy, scratch );
     return count;
 }

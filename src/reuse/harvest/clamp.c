@@ -7,8 +7,8 @@ void rf_begin_clamp( const RfHarvest* harvest, const RfHitBatch* batch, RfHarves
 {
     RfClampHits* clamp = scratch->clamp;
     for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
-        clamp->threshold[kind] = harvest->clamps != NULL ? harvest->clamps[batch->eye].threshold[kind] : INFINITY;
-    clamp->watch = harvest->clamp_watch;
+        clamp->threshold[kind] = harvest->group->clamp != NULL ? harvest->group->clamp[batch->eye].threshold[kind] : INFINITY;
+    clamp->watch = harvest->group->clamp_watch;
     bool chains = rf_follows_chains( scratch );
     for ( int i = 0; i < batch->count; ++i )
     {

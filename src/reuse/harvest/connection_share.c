@@ -39,12 +39,11 @@ struct RfPilot
     uint64_t rays, connection_rays, searched;
 };
 
-RfPilot* rf_place_pilot( const RfEstimatorGroup* group, RfLayout* layout )
+RfPilot* rf_place_pilot( const RfEstimatorGroup* group, const RfBatchShape* shape, RfLayout* layout )
 {
-    RfBatchShape shape = rf_batch_shape( group );
     RfPilot* pilot = rf_take( layout, 1, sizeof *pilot );
-    RfHitBatch* batch = rf_place_batch( &shape, layout );
-    RfHarvestScratch* scratch = rf_place_harvest_scratch( &shape, layout );
+    RfHitBatch* batch = rf_place_batch( shape, layout );
+    RfHarvestScratch* scratch = rf_place_harvest_scratch( shape, layout );
     if ( pilot != NULL )
         *pilot = ( RfPilot ){ .group = *group, .settings = *group->settings, .batch = batch, .scratch = scratch };
     RF_PLACE( layout, pilot->first, MOST_JOBS );
@@ -59,7 +58,6 @@ static void trace( RfPilot* pilot, const RfLightPaths* paths, int pass, int coun
 {
     RfHarvestScratch* s = pilot->scratch;
     pilot->group.shared = paths;
-    RfHarvest harvest = rf_make_harvest( &pilot->group );
     for ( int k = 0; k < count; ++k )
     {
         RfRayCounts now = { 0 };
@@ -68,7 +66,8 @@ static void trace( RfPilot* pilot, const RfLightPaths* paths, int pass, int coun
         memset( s->connections->moment, 0, sizeof s->connections->moment );
         memset( s->connections->chance, 0, sizeof s->connections->chance );
         rf_clear_ray_counts( &s->wavefront );
-        rf_harvest_batch( &harvest, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s, &now );
+        rf_harvest_batch( &pilot->group, ( RfTraceJob ){ .eye = at / jobs, .job = at % jobs, .pass = pass }, pilot->batch, s,
+                          &now );
         memset( found[k].is_hit, 0, sizeof found[k].is_hit );
         found[k].hits = rf_record_count( s->hits );
         for ( int i = 0; i < found[k].hits; ++i )
@@ -199,8 +198,7 @@ void rf_choose_connection_share( const RfEstimatorGroup* group, RfLightPaths* pa
     pilot->settings.pieces = NULL; // whole frames decide for all of their parts
     pilot->group.settings = &pilot->settings;
     pilot->group.need = NULL;
-    RfHarvest harvest = rf_make_harvest( group );
-    int all = harvest.patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
+    int all = rf_reuse_plan( group )->patches.count * group->eye_count, count = (int)fmax( AHEAD * all, LEAST_JOBS );
     count = count > MOST_JOBS ? MOST_JOBS : count > all ? all : count;
     const RfNormalization* normalization = rf_find_normalization( group->settings->kernel_normalization );
     paths->balls = normalization->balls;

@@ -3,10 +3,11 @@
 #define REFRAME_REUSE_HARVEST_CONNECTION_SHARE_H
 
 #include "light_paths/light_paths.h"
+#include "reuse/record.h"
 
 // What rf_choose_connection_share works in, for a group.
 typedef struct RfPilot RfPilot;
-RfPilot* rf_place_pilot( const RfEstimatorGroup* group, RfLayout* layout );
+RfPilot* rf_place_pilot( const RfEstimatorGroup* group, const RfBatchShape* shape, RfLayout* layout );
 
 // Sets the share of light paths and connections for all passes of a group, by scene, settings and group alone, and
 // counts the rays traced for it.

@@ -235,7 +235,8 @@ static void add_part( const RfHarvest* at, int x0, int y0, float* sums, RfHarves
     int found = gather_sharp( v, of, sharp );
     if ( found == 0 )
         return;
-    rays->shadow += (uint64_t)rf_sample_lights( &at->path, &scratch->wavefront, sharp, RF_DIMENSION_FIRST_VERTEX, scratch->direct,
+    rays->shadow += (uint64_t)rf_sample_lights( &at->path, &scratch->wavefront, sharp,
+                                                ( RfLightSample ){ .dimension = RF_DIMENSION_FIRST_VERTEX }, scratch->direct,
                                                 &scratch->wavefront.scratch );
     for ( int k = 0; k < found; ++k )
     {

@@ -5,50 +5,37 @@
 
 #include "light_paths/connections.h"
 #include "path/wavefront.h"
-#include "render/estimator.h"
-#include "render/pieces.h"
-#include "reuse/harvest/records.h"
-#include "reuse/tile/tile.h"
+#include "reuse/plan.h"
 
-// What all batches of a group share.
+// What the steps of a batch are given.
 typedef struct RfHarvest
 {
-    RfPathSettings path;            // with the tracer of the batch's frame, once rf_harvest_at has set it
-    const RfTracer* const* tracers; // as in RfEstimatorGroup
-    RfBatchShape shape;
-    RfPatchLayout patches;
-    bool path_roulette;         // see RfTileReuseSettings
-    const int32_t* path_source; // its `source`
-    bool alpha;                 // the sky that camera rays see is black: RF_AOV_ALPHA
-    uint64_t seed;
-    const RfPixelFilter* drawn_by; // positions in pixels are drawn by it; NULL: uniformly
-    const RfEye* eyes;             // shape.eyes of them
-    int first_frame;               // path frame of eyes[0]
-    int group;                     // its number
-    int64_t passes_before;         // as in RfEstimatorGroup
-    const RfPieces* pieces;        // that alone are traced; NULL: all
-    const float* need;             // adaptive sampling, as in RfEstimatorGroup
-    int round;
-    bool packed;
-    bool single;
-    bool first_hits_only;
+    const RfEstimatorGroup* group;
+    const RfReusePlan* plan;
+    const RfBatchShape* shape;       // of the plan
+    RfPathSettings path;             // of camera rays; of the paths from their hits on, once rf_harvest_hits has found them
+    const RfTracer* const* tracers;  // as in RfEstimatorGroup, at the batch's moment of the shutter
+    const RfEye* eyes;               // shape->eyes of them, at the batch's point of the lens
     const RfLightPaths* light_paths; // NULL: none
-    RfKernelNormalization kernel_normalization;
-    const RfClampThresholds* clamps; // thresholds of the frames, and who is told, as in RfEstimatorGroup
-    RfClampWatch* clamp_watch;
+    bool path_roulette;              // see RfTileReuseSettings
+    const int32_t* path_source;      // its `source`
 } RfHarvest;
 
-// The group in the terms of the harvest.
-RfHarvest rf_make_harvest( const RfEstimatorGroup* group );
+// Positions in pixels are drawn by it; NULL: uniformly.
+static inline const RfPixelFilter* rf_drawn_by( const RfEstimatorGroup* group )
+{
+    return group->need != NULL ? group->filter : NULL;
+}
 
-// The shape of the group's batches.
-RfBatchShape rf_batch_shape( const RfEstimatorGroup* group );
+// The group's, at no point of the lens and moment yet.
+RfHarvest rf_make_harvest( const RfEstimatorGroup* group );
 
 // A thread's workspace.
 typedef struct RfHarvestScratch RfHarvestScratch;
 
 // Fills `batch` with the hits of patch job.job; adds the rays traced to `rays`. Returns the camera rays.
-int rf_harvest_batch( const RfHarvest* harvest, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays );
+int rf_harvest_batch( const RfEstimatorGroup* group, RfTraceJob job, RfHitBatch* batch, RfHarvestScratch* scratch,
+                      RfRayCounts* rays );
 
 // The steps, which estimators with an order of their own take one by one (src/gradient).
 
@@ -61,6 +48,9 @@ void rf_find_first_hits( const RfHarvest* harvest, RfHarvestScratch* scratch );
 
 // Follows camera rays through mirrors and glass: scratch->hits.
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch );
+
+// The same from the hits on: how the rest of their paths is traced, and what is kept apart of its light.
+RfHarvest rf_harvest_hits( const RfHarvest* harvest, int eye, RfHarvestScratch* scratch );
 
 // Starts roulette with the throughput of the chains up to the hits.
 void rf_scale_roulette( RfHarvestScratch* scratch, int count );

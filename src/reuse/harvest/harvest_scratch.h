@@ -4,7 +4,7 @@
 
 #include "path/chain_samples.h"
 #include "path/features.h"
-#include "reuse/accumulate/reprojection.h"
+#include "reuse/project.h"
 #include "reuse/chains/chains.h"
 #include "reuse/harvest/clamp.h"
 #include "reuse/harvest/harvest.h"
@@ -82,14 +82,14 @@ static inline bool rf_follows_chains( const RfHarvestScratch* scratch )
 // Whether light of one frame has parts by frame.
 static inline bool rf_looks_at_frames( const RfHarvest* harvest )
 {
-    return harvest->shape.light_frames > 1 && rf_tracer_lights( harvest->path.tracer )->frame_count > 0;
+    return harvest->shape->light_frames > 1 && rf_tracer_lights( harvest->path.tracer )->frame_count > 0;
 }
 
 // Whether no light is the same in two frames of the group: then other cameras need not be asked, and each frame is rendered as in a
 // group of its own.
 static inline bool rf_shares_nothing( const RfHarvest* harvest )
 {
-    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && rf_tracer_lights( harvest->path.tracer )->all_own &&
+    return rf_calls_for( harvest->shape->own_light, RF_EFFECT_MOVING ) && rf_tracer_lights( harvest->path.tracer )->all_own &&
            !rf_looks_at_frames( harvest );
 }
 
@@ -97,19 +97,20 @@ static inline bool rf_shares_nothing( const RfHarvest* harvest )
 static inline bool rf_splits_light( const RfHarvest* harvest )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
-    return rf_calls_for( harvest->shape.own_light, RF_EFFECT_MOVING ) && !rf_shares_nothing( harvest ) &&
+    return rf_calls_for( harvest->shape->own_light, RF_EFFECT_MOVING ) && !rf_shares_nothing( harvest ) &&
            ( ( ( rf_tracer_has_ghosts( harvest->path.tracer ) || lights->any_own ) && !rf_looks_at_frames( harvest ) ) ||
-             ( lights->dimmed_count + lights->frame_count > 0 && harvest->shape.chains ) ); // light of chains has no parts
+             ( lights->dimmed_count + lights->frame_count > 0 && harvest->shape->chains ) ); // light of chains has no parts
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )
 {
-    return rf_calls_for( harvest->need != NULL, RF_EFFECT_ADAPTIVE );
+    return rf_calls_for( harvest->group->need != NULL, RF_EFFECT_ADAPTIVE );
 }
 
 // The random key of a pass of a frame.
 static inline uint64_t rf_harvest_key( const RfHarvest* harvest, int eye, int pass )
 {
-    return rf_pass_key( harvest->seed, (uint32_t)( harvest->first_frame + eye ), (uint32_t)harvest->group, (uint32_t)pass );
+    return rf_pass_key( harvest->group->settings->seed, (uint32_t)( harvest->group->first_frame + eye ),
+                        (uint32_t)harvest->group->number, (uint32_t)pass );
 }
 
 // The tracer of one of the group's frames.

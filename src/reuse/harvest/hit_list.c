@@ -143,7 +143,7 @@ void rf_list_hits( const RfHarvest* harvest, int count, RfHarvestScratch* scratc
 // pane or the mirror that shows it is before it.
 static uint32_t number_of( const RfHarvest* harvest, uint32_t triangle )
 {
-    return rf_surface_number( rf_tracer_scene( harvest->path.tracer ), harvest->shape.covering, triangle );
+    return rf_surface_number( rf_tracer_scene( harvest->path.tracer ), harvest->shape->covering, triangle );
 }
 
 void rf_note_surfaces( const RfHarvest* harvest, int count, const RfHarvestScratch* scratch, RfHitBatch* batch )

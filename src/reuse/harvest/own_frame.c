@@ -25,7 +25,7 @@ static inline void put_light( float* light, RfVec3 seen )
 static void light_misses( const RfHarvest* harvest, const RfHarvestScratch* scratch, const RfHitBatch* batch, int count )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
-    bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden && !harvest->alpha;
+    bool seen = rf_has_sky( lights ) && !lights->sky.environment->hidden && !harvest->plan->alpha;
     int base = seen ? rf_counts_in( &harvest->path, rf_light_part( lights, rf_sky_number( lights ) ) ) : 0;
     const RfRayLanes* rays = &scratch->camera_rays;
     for ( int k = 0; k < count && seen; ++k )
@@ -38,9 +38,9 @@ static void add_light_samples( const RfHarvest* harvest, RfHarvestScratch* scrat
     const RfVertexLanes* v = &scratch->first;
     RfLaneScratch* s = &scratch->wavefront.scratch;
     float* f[3] = { s->f[0], s->f[1], s->f[2] };
-    float k = (float)harvest->shape.light_samples;
+    float k = (float)harvest->shape->light_samples;
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
-    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    for ( int j = 0; j < harvest->shape->light_samples; ++j )
     {
         const RfLightLanes* direct = scratch->direct + j;
         const float* wi[3] = { direct->wi[0], direct->wi[1], direct->wi[2] };
@@ -111,7 +111,7 @@ static void add_scattered( const RfHarvest* harvest, const RfHarvestScratch* scr
                            RfHitBatch* batch, int first_miss )
 {
     const RfVertexLanes* v = &scratch->first;
-    float k = (float)harvest->shape.light_samples;
+    float k = (float)harvest->shape->light_samples;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
     {
         int slot = v->slot[i], n = i - rf_record_count( v );

@@ -111,7 +111,7 @@ static float sample_luminance( const RfLightLanes* direct, int i )
 static float part_of_hit( const RfHarvest* harvest, const RfHarvestScratch* scratch, bool reached, int i )
 {
     float own = 0.0f, all = 0.0f, scattered = (float)scratch->own->paths.touched[scratch->hits->slot[i]];
-    for ( int j = 0; j < harvest->shape.light_samples; ++j )
+    for ( int j = 0; j < harvest->shape->light_samples; ++j )
     {
         float light = sample_luminance( scratch->direct + j, i );
         all += light;

@@ -16,20 +16,22 @@ typedef struct Direction
     bool found;   // by chain samples
     const float* wi[3];
     bool has_diffuse, has_glossy;
+    const RfChainLight* chain_light; // RfPathSettings.chain_light
 } Direction;
 
 // Light samples of other frames are taken only where light has parts by frame.
 static bool is_taken( const RfHarvest* harvest, int direction )
 {
-    return direction >= rf_light_directions( &harvest->shape ) ||
-           direction < rf_light_set_count( &harvest->path, harvest->shape.light_samples );
+    return direction >= rf_light_directions( harvest->shape ) ||
+           direction < rf_light_set_count( &harvest->path, harvest->shape->light_samples );
 }
 
 static Direction find_direction( const RfHarvest* harvest, RfHarvestScratch* scratch, int number )
 {
     Direction by = { .number = number,
-                     .pairing = number - rf_first_pairing( &harvest->shape ),
-                     .sampled = number < rf_light_directions( &harvest->shape ) };
+                     .pairing = number - rf_first_pairing( harvest->shape ),
+                     .sampled = number < rf_light_directions( harvest->shape ),
+                     .chain_light = harvest->path.chain_light };
     by.found = !by.sampled && by.pairing < 0;
     float( *lanes )[RF_LANES] = by.sampled        ? scratch->direct[number].wi
                                 : by.found        ? scratch->chain_samples->found.wi
@@ -69,7 +71,7 @@ static void gather_tile_light( const RfHarvest* harvest, const RfHarvestScratch*
         memset( out->a[c] + first, 0, bytes );
     memset( out->light_pdf + first, 0, bytes );
     out->scattered = true;
-    if ( harvest->shape.chain_samples > 0 )
+    if ( harvest->shape->chain_samples > 0 )
         rf_share_chain_light( harvest, scratch, pairing, out );
 }
 
@@ -78,7 +80,7 @@ static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratc
                               RfArrivalLanes* arrival, RfArrivalLanes* own )
 {
     const RfVertexLanes* v = scratch->hits;
-    float k = (float)harvest->shape.light_samples;
+    float k = (float)harvest->shape->light_samples;
     if ( by->sampled )
     {
         rf_gather_light_sample( scratch->direct + by->number, harvest->path.parts ? part : RF_ALL_PARTS, v->count, k, arrival );
@@ -109,7 +111,7 @@ static void gather_direction( const RfHarvest* harvest, RfHarvestScratch* scratc
 static bool may_bring( const RfHarvest* harvest, const Direction* by, int part )
 {
     if ( by->sampled )
-        return rf_sample_has_part( &harvest->path, harvest->shape.light_samples, by->number, part );
+        return rf_sample_has_part( &harvest->path, harvest->shape->light_samples, by->number, part );
     return !by->found || part < rf_base_parts( &harvest->path );
 }
 
@@ -146,7 +148,7 @@ static Value find_value( const RfArrivalLanes* arrival, const Direction* by, int
 // chain samples find.
 static RfLayerKind kind_of_direct( const RfHarvestScratch* scratch, const Direction* by, int hit )
 {
-    const RfChainLight* light = scratch->wavefront.chain_light;
+    const RfChainLight* light = by->chain_light;
     if ( by->sampled )
         return RF_KIND_DIRECT;
     if ( by->pairing != 0 )
@@ -410,7 +412,7 @@ static void add_diffuse_tile_light( const RfHarvest* harvest, int part, RfHarves
     RfChainSampling sampling = rf_chain_sampling( harvest, true );
     float worth = rf_balance_weight( sampling.worth, (float)sampling.count ); // of diffuse hits, for any direction
     const bool* taken = samples != NULL ? samples->taken : NULL;
-    int pixels = harvest->shape.tile_pixels, base = rf_counts_in( &harvest->path, part );
+    int pixels = harvest->shape->tile_pixels, base = rf_counts_in( &harvest->path, part );
     bool clamps = scratch->clamp != NULL, clamps_own = rf_clamps_own( scratch );
     RfLayerLight* removed = clamps ? rf_removed_light( batch, part ) : NULL;
     RfLayerLight* own_removed = clamps_own ? rf_removed_light( batch, base ) : NULL;
@@ -451,11 +453,11 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
 // P of all directions.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
-    int directions = rf_first_pairing( &harvest->shape ) + harvest->shape.tile_pixels; // connections do not depend on densities
+    int directions = rf_first_pairing( harvest->shape ) + harvest->shape->tile_pixels; // connections do not depend on densities
     float* wo[3] = { scratch->wo[0], scratch->wo[1], scratch->wo[2] };
     for ( int d = 0; d < directions; ++d )
         memset( scratch->mixture + (size_t)d * RF_LANES, 0, (size_t)rf_glossy_count( batch ) * sizeof( float ) );
-    for ( int l = 0; l < harvest->shape.eyes; ++l )
+    for ( int l = 0; l < harvest->shape->eyes; ++l )
     {
         if ( batch->rows[2 * l] > batch->rows[2 * l + 1] )
             continue; // sees nothing of the batch
@@ -475,7 +477,7 @@ static void add_connections( const RfHarvest* harvest, RfHitBatch* batch, const 
 {
     const RfVertexLanes* v = scratch->hits;
     const RfConnectionLanes* connections = scratch->connections;
-    int first = first_glossy( batch ), last = rf_direction_count( &harvest->shape ) - 1;
+    int first = first_glossy( batch ), last = rf_direction_count( harvest->shape ) - 1;
     size_t bytes = (size_t)( batch->count - first ) * sizeof( float );
     RfLayerLight* light = rf_layer_light( batch, 0, RF_KIND_INDIRECT );
     if ( harvest->light_paths == NULL )
@@ -557,7 +559,7 @@ static void begin_layers( const RfHarvest* harvest, RfHitBatch* batch, const RfH
         bool base = layer < rf_kinds( set ) * set->base_parts ||
                     ( layer >= rf_removed_layer( set, 0 ) && layer < rf_removed_layer( set, set->base_parts ) );
         light->dark = layer >= rf_removed_layer( set, 0 );
-        rf_find_layer_directions( &harvest->shape, set, layer, &light->first_direction, &light->end_direction );
+        rf_find_layer_directions( harvest->shape, set, layer, &light->first_direction, &light->end_direction );
         if ( light->radiance != NULL && layer > 0 )
             memset( light->radiance, 0, 4 * (size_t)( base ? listed : batch->count ) * sizeof( float ) );
         for ( int d = light->first_direction; d < light->end_direction; ++d )
@@ -583,10 +585,10 @@ void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScra
         mix_densities( harvest, batch, scratch );
     for ( int part = 0; part < batch->part_count && rf_reuses_tiles( scratch ); ++part )
         add_diffuse_tile_light( harvest, part, scratch, batch );
-    int directions = rf_first_pairing( &harvest->shape ) + ( glossy ? harvest->shape.tile_pixels : 1 );
+    int directions = rf_first_pairing( harvest->shape ) + ( glossy ? harvest->shape->tile_pixels : 1 );
     for ( int d = 0; d < directions; ++d )
         weight_direction( harvest, batch, scratch, d );
-    if ( harvest->shape.connections )
+    if ( harvest->shape->connections )
         add_connections( harvest, batch, scratch );
     if ( rf_follows_chains( scratch ) )
         dim_chains( batch, scratch );

@@ -17,7 +17,7 @@ static void lift_hits( const RfHarvest* harvest, const RfHitBatch* batch, const 
                        float lifted[3][RF_LANES] )
 {
     float least = 0.0f;
-    for ( int l = 0; l < harvest->shape.eyes; ++l )
+    for ( int l = 0; l < harvest->shape->eyes; ++l )
         least = RF_FAULT( eye_rounding ) ? 0.0f : rf_maxf( least, rf_ray_offset( rf_eye_reach( harvest->eyes + l ) ) );
     for ( int c = 0; c < 3; ++c )
     {
@@ -163,7 +163,7 @@ static void hide_moving( const RfHarvestScratch* scratch, int count, float* dens
 
 void rf_test_batch_visibility( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch, RfRayCounts* rays )
 {
-    int eyes = harvest->shape.eyes;
+    int eyes = harvest->shape->eyes;
     memset( batch->seen, 0, (size_t)rf_seen_words( eyes ) * RF_LANES * sizeof *batch->seen );
     memset( batch->density_sum, 0, (size_t)batch->count * sizeof( float ) );
     lift_hits( harvest, batch, scratch->hits->offset, scratch->lifted );

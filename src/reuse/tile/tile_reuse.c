@@ -67,15 +67,15 @@ static void list_members( const RfTileReuseSettings* settings, const RfVertexLan
 
 // Whether max_depth ends the path at second vertex a. Its throughput does not show it: panes may have absorbed all of it, and
 // other hits may see the vertex without them.
-static bool is_spent( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfTileReuse* reuse, int a )
+static bool is_spent( const RfTileReuseSettings* settings, const RfTileReuse* reuse, int a )
 {
-    return wavefront->spent != NULL && wavefront->spent[reuse->second.lanes.slot[a]] + 2 >= settings->path->max_depth;
+    const int32_t* spent = settings->path->spent;
+    return spent != NULL && spent[reuse->second.lanes.slot[a]] + 2 >= settings->path->max_depth;
 }
 
 // Finds the second vertices that are reused: the hit must be non-specular, and the vertex, too, unless it begins a chain that
 // found light. All hits of the tile could have sampled them, even those whose own path has no second vertex.
-static void list_owners( const RfTileReuseSettings* settings, const RfWavefront* wavefront, const RfVertexLanes* hits,
-                         RfTileReuse* reuse )
+static void list_owners( const RfTileReuseSettings* settings, const RfVertexLanes* hits, RfTileReuse* reuse )
 {
     int32_t hit_of_slot[RF_LANES];
     int count = rf_record_count( hits );
@@ -92,7 +92,7 @@ static void list_owners( const RfTileReuseSettings* settings, const RfWavefront*
         reuse->second.owner[a] = -1;
         reuse->second.hit[a] = i;
         if ( i < 0 || !( a < rf_record_count( y ) || rf_has_chain_light( settings, reuse, a ) ) ||
-             is_spent( settings, wavefront, reuse, a ) )
+             is_spent( settings, reuse, a ) )
             continue;
         float way2 = 0.0f, cos_y = 0.0f;
         for ( int c = 0; c < 3; ++c )
@@ -222,17 +222,17 @@ static int end_of_slots( const RfVertexLanes* v )
 // Takes light samples at the second vertices and continues the paths from there.
 static void trace_beyond( const RfPathSettings* path, RfWavefront* wavefront, RfTileReuse* reuse )
 {
-    RfPathSettings beyond = *path, *settings = &beyond;
+    RfPathSettings beyond = *path;
     beyond.own = reuse->split ? &reuse->own->beyond : NULL;
+    const RfPathSettings* settings = &beyond;
     rf_draw_sides( wavefront, 2, &reuse->second.lanes );
     int samples = settings->light_samples, k = rf_light_set_count( settings, samples );
     uint32_t dimension = rf_vertex_dimension( 2, samples ) + RF_DIMENSION_LIGHTS;
     for ( int j = 0; j < k; ++j )
     {
-        RfPathSettings at = rf_settings_of_sample( settings, samples, j );
-        wavefront->shadow_rays +=
-            (uint64_t)rf_sample_lights( &at, wavefront, &reuse->second.lanes, dimension + 3u * (uint32_t)( j % samples ),
-                                        reuse->second.direct + j, &wavefront->scratch );
+        RfLightSample at = { dimension + 3u * (uint32_t)( j % samples ), rf_frame_of_sample( settings, samples, j ) };
+        wavefront->shadow_rays += (uint64_t)rf_sample_lights( settings, wavefront, &reuse->second.lanes, at,
+                                                              reuse->second.direct + j, &wavefront->scratch );
     }
     for ( int j = 0; j < samples; ++j )
         rf_note_lit( settings, wavefront, reuse->second.direct + j, j, reuse->second.lanes.count );
@@ -260,9 +260,9 @@ static bool all_end_at_second( const RfPathSettings* path, const RfWavefront* wa
 {
     if ( path->max_depth > 2 )
         return false;
-    for ( int r = 0; r < wavefront->rays.count && wavefront->spent != NULL; ++r )
+    for ( int r = 0; r < wavefront->rays.count && path->spent != NULL; ++r )
     {
-        if ( wavefront->spent[wavefront->rays.slot[r]] < 0 )
+        if ( path->spent[wavefront->rays.slot[r]] < 0 )
             return false;
     }
     return true;
@@ -306,18 +306,18 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
         clear_pairings( tile_pixels, reuse );
         return 0;
     }
-    rf_end_spent_paths( settings->path, wavefront, 2, &wavefront->rays );
+    rf_end_spent_paths( settings->path, 2, &wavefront->rays );
     copy_throughput( &wavefront->rays, reuse );
     if ( settings->source != NULL )
     {
-        list_owners( settings, wavefront, hits, reuse );
+        list_owners( settings, hits, reuse );
         rf_drop_copies( settings->source, wavefront, reuse );
     }
     trace_beyond( settings->path, wavefront, reuse );
     if ( settings->source != NULL )
         rf_restore_copies( settings->source, settings->path->light_samples, wavefront, reuse );
     list_members( settings, hits, reuse );
-    list_owners( settings, wavefront, hits, reuse );
+    list_owners( settings, hits, reuse );
     if ( settings->path_roulette )
         rf_thin_paths( settings->path, wavefront, reuse );
     find_dark( settings->path, reuse );
@@ -328,7 +328,7 @@ uint64_t rf_trace_tile_tails( const RfTileReuseSettings* settings, const RfVerte
     pass_own_panes( settings->path->tracer, reuse );
     uint64_t tested = rf_weight_pairings( settings, hits, scattered, wavefront, reuse );
     rf_light_pairings( settings, wavefront, reuse );
-    if ( wavefront->chain_light != NULL )
+    if ( settings->path->chain_light != NULL )
         rf_weight_chain_light( settings->path, reuse );
     return tested;
 }

@@ -1,5 +1,5 @@
 // The layout of a batch of hit records in one block of memory.
-#include "reuse/harvest/records.h"
+#include "reuse/record.h"
 
 #define PLACE_LANES3( layout, lanes )                                                                                            \
     for ( int c_ = 0; c_ < 3; ++c_ )                                                                                             \

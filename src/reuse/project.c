@@ -1,5 +1,5 @@
 // The hits of a batch as seen from another camera: their pixel and density, and the BSDF of glossy ones.
-#include "reuse/accumulate/reprojection.h"
+#include "reuse/project.h"
 
 #include "reuse/chains/coats.h"
 #include "scene/projection.h"

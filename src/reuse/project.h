@@ -1,7 +1,7 @@
 // The hits of a batch as a camera of the group sees them: their reprojection to its film, and the scattering of glossy hits
 // towards it. Both phases do it, with the same bits: the harvest for visibility and densities, accumulation to add.
-#ifndef REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
-#define REFRAME_REUSE_ACCUMULATE_REPROJECTION_H
+#ifndef REFRAME_REUSE_PROJECT_H
+#define REFRAME_REUSE_PROJECT_H
 
 #include "reuse/chains/mirrored.h"
 #include "scene/eye.h"

@@ -1,7 +1,7 @@
 // Hit records: what the harvest passes to accumulation. A batch holds the hits of one patch of one frame in one
 // pass, as structures of arrays. Diffuse hits come first and store no directions.
-#ifndef REFRAME_REUSE_HARVEST_RECORDS_H
-#define REFRAME_REUSE_HARVEST_RECORDS_H
+#ifndef REFRAME_REUSE_RECORD_H
+#define REFRAME_REUSE_RECORD_H
 
 #include "base/layout.h"
 #include "film/covering.h"
