@@ -4,9 +4,11 @@
 #include "base/system.h"
 #include "render/accumulation.h"
 #include "render/adaptive/adaptive.h"
+#include "render/frames.h"
 #include "render/preview.h"
 #include "render/settings.h"
 #include "render/state.h"
+#include "render/stop/until.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -113,26 +115,6 @@ static RfResult end_chunk( RfRenderer* r, int count, RfError* error )
     return result == RF_OK ? save_if_asked( r, error ) : result;
 }
 
-// What the batches of a pass share.
-static void prepare_pass( RfRenderer* r, const RfPass* pass )
-{
-    if ( r->memory.shared != NULL )
-        r->setup->settings.estimator->prepare( pass->group, pass->number, r->memory.shared, &r->rays );
-}
-
-// Traces extra samples and counts the pass.
-static void end_pass( RfRenderer* r, const RfPass* pass )
-{
-    if ( r->setup->sizes.adaptive )
-        rf_render_extra( r, pass );
-    for ( int i = 0; i < r->memory.film_slots; ++i )
-    {
-        RfLiveFilm* live = r->memory.films + i;
-        for ( int f = 0; f < r->setup->sizes.film_count && live->frame != -1; ++f )
-            rf_end_film_pass( live->films + f, pass->half, pass->weight );
-    }
-}
-
 RfResult rf_alloc_traced_jobs( RfRenderer* r, RfError* error )
 {
     if ( r->setup->settings.pieces == NULL )
@@ -158,36 +140,6 @@ static int list_jobs( RfRenderer* r, const RfPass* pass )
     return count;
 }
 
-static RfFilmRange all_films( const RfRenderer* r ) { return ( RfFilmRange ){ r->memory.films, r->memory.film_slots }; }
-
-RfResult rf_render_pass( RfRenderer* r, const RfPass* pass, RfError* error )
-{
-    if ( r->resuming ) // what the estimator keeps per pass is there, too
-        r->resuming = false;
-    else
-    {
-        r->at.pass = pass->number;
-        r->at.batches = 0;
-    }
-    prepare_pass( r, pass );
-    int jobs = list_jobs( r, pass );
-    bool has_aovs = ( r->setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0;
-    for ( int first = r->at.batches; first < jobs; first += r->memory.batch_slots )
-    {
-        int count = jobs - first < r->memory.batch_slots ? jobs - first : r->memory.batch_slots;
-        rf_trace_batches( r, pass, first, count, has_aovs ? add_aovs : NULL, NULL );
-        rf_accumulate_batches( r, pass, all_films( r ), 1.0f, 0, count );
-        r->at.batches = first + count;
-        RfResult result = end_chunk( r, count, error );
-        if ( result != RF_OK )
-            return result;
-    }
-    filter_aovs( r, pass );
-    end_pass( r, pass );
-    rf_show_preview( r );
-    return RF_OK;
-}
-
 // Do extra samples take the memory of batches after each pass?
 static bool has_extra( const RfRenderer* r )
 {
@@ -200,66 +152,99 @@ static bool has_extra( const RfRenderer* r )
     return false;
 }
 
-static RfResult render_pass_by_pass( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group,
-                                     RfError* error )
+// Extra samples of a pass whose batches are all in the films; then it counts.
+static void end_pass( RfRenderer* r, const RfPass* pass )
 {
-    RfResult result = RF_OK;
-    for ( int k = r->resuming ? r->at.pass : 0; k < group->passes && result == RF_OK; ++k )
+    filter_aovs( r, pass );
+    if ( r->setup->sizes.adaptive )
+        rf_render_extra( r, pass );
+    for ( int i = 0; i < r->memory.film_slots; ++i )
     {
-        RfPass pass = rf_make_pass( estimator_group, group, k );
-        result = rf_render_pass( r, &pass, error );
+        RfLiveFilm* live = r->memory.films + i;
+        for ( int f = 0; f < r->setup->sizes.film_count && live->frame != -1; ++f )
+            rf_end_film_pass( live->films + f, pass->half, pass->weight );
     }
-    return result;
-}
-
-static void go_to_next_pass( RfRenderer* r, const RfPass* pass )
-{
-    end_pass( r, pass );
     rf_show_preview( r );
     r->at.pass += 1;
     r->at.batches = 0;
 }
 
-// Adds `count` batches from that at r->at on. The last pass that this completes is not ended yet: a render interrupted here goes on
-// as one that is interrupted at the end of rf_render_pass.
-static void accumulate_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, int count )
+// The pass that the next batches are of, where each has so many; the one before it is over if it has all of them.
+static RfPass next_pass( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, int jobs )
 {
-    int of_pass = estimator_group->eye_count * r->setup->sizes.of_estimator.jobs;
+    RfPass pass = rf_make_pass( estimator_group, group, r->at.pass );
+    if ( r->at.batches < jobs )
+        return pass;
+    end_pass( r, &pass );
+    return rf_make_pass( estimator_group, group, r->at.pass );
+}
+
+// Phase 2: adds `count` batches, from that at r->at on, to all films. The last pass that this completes is not over yet: an
+// interrupted render goes on from there.
+static void accumulate_chunk( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, int jobs, int count )
+{
+    RfFilmRange films = { r->memory.films, r->memory.film_slots };
     for ( int done = 0; done < count; )
     {
-        RfPass pass = rf_make_pass( estimator_group, group, r->at.pass );
-        int left = of_pass - r->at.batches, part = left < count - done ? left : count - done;
-        rf_accumulate_batches( r, &pass, all_films( r ), 1.0f, done, part );
+        RfPass pass = next_pass( r, estimator_group, group, jobs );
+        int left = jobs - r->at.batches, part = left < count - done ? left : count - done;
+        rf_accumulate_batches( r, &pass, films, 1.0f, done, part );
         r->at.batches += part;
         done += part;
-        if ( done < count )
-            go_to_next_pass( r, &pass );
     }
 }
 
-RfResult rf_render_passes( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
+RfResult rf_render_group( RfRenderer* r, int number, RfError* error )
 {
-    int of_pass = estimator_group->eye_count * r->setup->sizes.of_estimator.jobs;
-    if ( r->setup->sizes.passes == 1 || has_extra( r ) )
-        return render_pass_by_pass( r, estimator_group, group, error );
+    const RfRenderSetup* setup = r->setup;
+
+    // ---- frames: the films of those that are asked for, and the world as it is in each
+    r->at.group = number;
+    if ( !r->resuming )
+        rf_open_films( r, number );
+    RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
+    estimator_group.shared = r->memory.shared;
+    RfResult result = rf_check_worlds( &r->worlds, error );
+    if ( result != RF_OK )
+        return result;
+
+    // ---- passes: as many as are planned, or as goals ask for after each
+    RfGroup group = setup->sizes.stopping ? rf_begin_until( r, number ) : rf_group( &setup->plan, number );
+    bool one_by_one = setup->sizes.passes == 1 || has_extra( r );
+    RfTracedFn* traced = ( setup->settings.aovs & RF_FIRST_HIT_AOVS ) != 0 ? add_aovs : NULL;
     if ( !r->resuming )
         r->at.pass = r->at.batches = 0;
     r->resuming = false;
-    while ( r->at.pass < group->passes )
+    while ( setup->sizes.stopping ? rf_is_pass_due( r, number ) : r->at.pass < group.passes )
     {
-        RfPass pass = rf_make_pass( estimator_group, group, r->at.pass );
-        if ( r->at.batches == of_pass )
+        // ---- one or more of them begin: what all of their batches share, as light paths
+        int end = one_by_one ? r->at.pass + 1 : group.passes, left;
+        RfPass pass = rf_make_pass( &estimator_group, &group, r->at.pass );
+        if ( r->memory.shared != NULL )
+            setup->settings.estimator->prepare( &estimator_group, pass.number, r->memory.shared, &r->rays );
+        int jobs = list_jobs( r, &pass );
+
+        // ---- their batches, in chunks of as many as there is memory for: harvest, then accumulation
+        while ( ( left = ( end - r->at.pass ) * jobs - r->at.batches ) > 0 )
         {
-            go_to_next_pass( r, &pass );
-            continue;
+            int count = left < r->memory.batch_slots ? left : r->memory.batch_slots;
+            pass = next_pass( r, &estimator_group, &group, jobs );
+            rf_trace_batches( r, &pass, r->at.batches, count, traced, NULL );
+            accumulate_chunk( r, &estimator_group, &group, jobs, count );
+            result = end_chunk( r, count, error );
+            if ( result != RF_OK )
+                return result;
         }
-        int64_t left = (int64_t)( group->passes - r->at.pass ) * of_pass - r->at.batches;
-        int count = left < r->memory.batch_slots ? (int)left : r->memory.batch_slots;
-        rf_trace_batches( r, &pass, r->at.batches, count, NULL, NULL );
-        accumulate_passes( r, estimator_group, group, count );
-        RfResult result = end_chunk( r, count, error );
-        if ( result != RF_OK )
-            return result;
+
+        // ---- the last one is over: extra samples, the error so far
+        pass = rf_make_pass( &estimator_group, &group, r->at.pass );
+        end_pass( r, &pass );
+        if ( setup->sizes.stopping )
+            rf_note_group_pass( r, group.eyes );
     }
-    return RF_OK;
+    if ( setup->sizes.stopping )
+        rf_end_until( r );
+
+    // ---- frames that no later group sees are finished
+    return rf_close_films( r, number, error );
 }

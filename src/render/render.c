@@ -6,7 +6,6 @@
 #include "render/render_effects.h"
 #include "render/settings.h"
 #include "render/state.h"
-#include "render/stop/until.h"
 #include "trace/relit.h"
 
 #include <math.h>
@@ -50,24 +49,6 @@ RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settin
     return RF_OK;
 }
 
-static RfResult render_group( RfRenderer* r, int number, RfError* error )
-{
-    RfGroup group = rf_group( &r->setup->plan, number );
-    r->at.group = number;
-    if ( !r->resuming )
-        rf_open_films( r, number );
-    RfEstimatorGroup estimator_group = rf_estimator_group( r, number );
-    estimator_group.shared = r->memory.shared;
-    RfResult result = rf_check_worlds( &r->worlds, error );
-    if ( result != RF_OK )
-        return result;
-    if ( r->setup->sizes.stopping )
-        result = rf_render_until( r, &estimator_group, error );
-    else
-        result = rf_render_passes( r, &estimator_group, &group, error );
-    return result == RF_OK ? rf_close_films( r, number, error ) : result;
-}
-
 // Batches of the groups of a sweep; adds what they cost to r->stop.
 static double count_batches( RfRenderer* r )
 {
@@ -88,7 +69,7 @@ static RfResult render_groups( RfRenderer* r, RfError* error )
 {
     for ( int g = r->resuming ? r->at.group : 0; g < r->setup->plan.groups; ++g )
     {
-        RfResult result = rf_group_wanted( r, rf_group( &r->setup->plan, g ) ) ? render_group( r, g, error ) : RF_OK;
+        RfResult result = rf_group_wanted( r, rf_group( &r->setup->plan, g ) ) ? rf_render_group( r, g, error ) : RF_OK;
         if ( result != RF_OK )
             return result;
     }

@@ -4,7 +4,6 @@
 #include "base/system.h"
 #include "render/frames.h"
 #include "render/stop/pair_rule.h"
-#include "render/pass.h"
 
 #include <math.h>
 
@@ -121,20 +120,6 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
     return estimates;
 }
 
-// The passes up to the next decision.
-static RfResult render_due( RfRenderer* r, const RfEstimatorGroup* estimator_group, const RfGroup* group, RfError* error )
-{
-    for ( RfUntil* u = &r->until; u->done < u->next; ++u->done )
-    {
-        RfPass pass = rf_make_pass( estimator_group, group, u->done );
-        RfResult result = rf_render_pass( r, &pass, error );
-        if ( result != RF_OK )
-            return result;
-        rf_note_pass( &r->stop, group->eyes, rf_wall_seconds() - r->start );
-    }
-    return RF_OK;
-}
-
 // Decides how many passes are due, and after how many the next decision is.
 static bool is_more_due( RfRenderer* r )
 {
@@ -144,26 +129,28 @@ static bool is_more_due( RfRenderer* r )
     return u->due > u->done;
 }
 
-RfResult rf_render_until( RfRenderer* r, const RfEstimatorGroup* estimator_group, RfError* error )
+RfGroup rf_begin_until( RfRenderer* r, int number )
+{
+    if ( r->resuming )
+        return rf_group_in_work( &r->stop );
+    r->until = ( RfUntil ){ 0 };
+    return rf_begin_group( &r->stop, number );
+}
+
+bool rf_is_pass_due( RfRenderer* r, int number )
 {
     RfUntil* u = &r->until;
-    int number = estimator_group->number;
-    bool more = r->resuming;
-    RfGroup group = more ? rf_group_in_work( &r->stop ) : rf_begin_group( &r->stop, number );
-    if ( !more )
-    {
-        *u = ( RfUntil ){ .estimates = estimate_films( r, number, 0 ) };
-        more = is_more_due( r );
-    }
-    while ( more )
-    {
-        RfResult result = render_due( r, estimator_group, &group, error );
-        if ( result != RF_OK )
-            return result;
-        if ( u->next == u->due )
-            u->estimates = estimate_films( r, number, u->done );
-        more = is_more_due( r );
-    }
-    rf_end_group( &r->stop, u->done );
-    return RF_OK;
+    if ( u->done < u->next )
+        return true;
+    if ( u->next == u->due )
+        u->estimates = estimate_films( r, number, u->done );
+    return is_more_due( r );
 }
+
+void rf_note_group_pass( RfRenderer* r, int eyes )
+{
+    rf_note_pass( &r->stop, eyes, rf_wall_seconds() - r->start );
+    r->until.done += 1;
+}
+
+void rf_end_until( RfRenderer* r ) { rf_end_group( &r->stop, r->until.done ); }

@@ -4,7 +4,16 @@
 
 #include "render/renderer.h"
 
-// Renders the passes of a group, as many as settings.noise and settings.time want.
-RfResult rf_render_until( RfRenderer* renderer, const RfEstimatorGroup* group, RfError* error );
+// Begins group `number`, or goes on with it; its passes have the numbers and weights of the group that is returned.
+RfGroup rf_begin_until( RfRenderer* renderer, int number );
+
+// Whether settings.noise, flicker and time want another pass of the group.
+bool rf_is_pass_due( RfRenderer* renderer, int number );
+
+// A pass of so many frames is done.
+void rf_note_group_pass( RfRenderer* renderer, int eyes );
+
+// The group is done.
+void rf_end_until( RfRenderer* renderer );
 
 #endif
