@@ -1,5 +1,5 @@
-// Divides the light of connections by the probability of finding them, by repeated trials: unbiased (src/reuse/estimators.md,
-// section 16).
+// Connections as light samples of the path tracer, and the light of connections divided by the probability of finding them: by
+// repeated trials, unbiased (src/reuse/estimators.md, section 16), or by one of the biased ways.
 #include "light_paths/connections_internal.h"
 
 #define MOST_REPEATS 4096 // reached by rounding errors alone
@@ -179,10 +179,123 @@ static void solve( RfConnectionWork* w )
     rf_repeat_trials( w );
 }
 
-const RfNormalization rf_exact_normalization = {
+static const RfNormalization s_exact = {
     .weighted = true,
     .note_path = rf_note_path,
     .solve = solve,
     .divide_vpls = divide_vpls,
     .weigh_chance = rf_weigh_chance,
 };
+
+// ---- Research: biased, for comparison (--kernel-normalization). `disc` takes all of the reach to lead to the vertex, without trials.
+// `density` connects nothing: it estimates the photon density by balls (GK 7)
+
+static void divide_by_cones( RfConnectionWork* w )
+{
+    for ( int k = 0; k < w->vpl_count; ++k )
+    {
+        RfVplConnection* connection = w->vpl_connection + k;
+        connection->inverse_probability = 1.0f / ( connection->cone * connection->cosine );
+    }
+}
+
+static const RfNormalization s_disc = {
+    .weighted = true,
+    .note_path = rf_note_path,
+    .solve = rf_walk_to_vertices,
+    .divide_vpls = divide_by_cones,
+    .weigh_chance = rf_weigh_chance,
+};
+
+static void note_in_ball( void* user, uint32_t number )
+{
+    RfCandidates* c = user;
+    const RfLightPath* path = c->settings->paths->path + number;
+    RfVec3 apart = rf_sub( c->y, path->at.p );
+    bool within = c->spent + path->length + 2 <= c->settings->path->max_depth &&
+                  !( rf_dot( apart, apart ) > path->at.half.x * path->at.half.x );
+    if ( within && path->light > 0.0f )
+        rf_keep_candidate( c, number, path->light );
+}
+
+// Paths that land near the camera vertex count as landing there.
+static void estimate_density( RfConnectionWork* w )
+{
+    for ( int k = 0; k < w->count; ++k )
+    {
+        RfConnection* connection = w->connection + k;
+        connection->wi = rf_scale( connection->path->end.d, -1.0f );
+        connection->light = rf_scale( connection->path->flux, connection->scale );
+        connection->reach = ( RfReach ){ { 1.0f, 0.0f }, connection->path->at.half.x, connection->path->at.half.x };
+        connection->repeats = 1.0f;
+        connection->chance = 0.0f;
+        connection->area = INFINITY;
+        connection->open = rf_dot( rf_lane_of( w->v->n, connection->lane ), connection->wi ) > 0.0f &&
+                           rf_dot( rf_lane_of( w->v->ng, connection->lane ), connection->wi ) > 0.0f;
+    }
+}
+
+// Scattered rays leave all of this light to the light paths.
+static float leave_all( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point )
+{
+    (void)connector, (void)trail, (void)length, (void)triangle, (void)point;
+    return 0.0f;
+}
+
+static const RfNormalization s_density = {
+    .balls = true,
+    .note_path = note_in_ball,
+    .solve = estimate_density,
+    .weigh_chance = leave_all,
+};
+
+// ---- The connector
+
+const RfNormalization* rf_find_normalization( RfKernelNormalization normalization )
+{
+    static const RfNormalization* const rows[] = {
+        [RF_KERNEL_EXACT] = &s_exact,
+        [RF_KERNEL_DISC] = &s_disc,
+        [RF_KERNEL_DENSITY] = &s_density,
+    };
+    return rows[normalization];
+}
+
+static void sample( const RfConnector* connector, RfWavefront* keys, const RfRayLanes* rays, const RfVertexLanes* v, int vertex,
+                    RfLightLanes* out, float* area )
+{
+    const RfLightPathConnector* self = (const RfLightPathConnector*)(const void*)connector;
+    const RfConnectionLanes* connections = self->out;
+    int count = rf_record_count( v );
+    rf_connect_vertices( self, keys, area == NULL ? rays : NULL, v, vertex );
+    float scale = RF_DELTA_PDF * (float)self->path->light_samples;
+    for ( int i = 0; i < v->count; ++i )
+    {
+        bool found = i < count && connections->found[i] > 0;
+        for ( int c = 0; c < 3; ++c )
+        {
+            out->wi[c][i] = found ? connections->wi[c][i] : v->n[c][i];
+            out->radiance_cos[c][i] = found ? connections->one[c][i] * scale : 0.0f;
+        }
+        out->pdf_solid_angle[i] = found ? RF_DELTA_PDF : 1.0f;
+    }
+    for ( int i = 0; i < v->count && area != NULL; ++i )
+        area[i] = i < count && connections->found[i] > 0 ? connections->area[i] : INFINITY;
+}
+
+RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNormalization normalization,
+                                        const RfPathSettings* path, RfConnectionLanes* lanes )
+{
+    const RfNormalization* row = rf_find_normalization( normalization );
+    return ( RfLightPathConnector ){
+        .connector = { .sample = sample,
+                       .vpl_connections = paths->vpl_connections,
+                       .connected = paths->connected,
+                       .trails = lanes->trail,
+                       .weigh_chance = row->weigh_chance },
+        .path = path,
+        .paths = paths,
+        .normalization = row,
+        .out = lanes,
+    };
+}

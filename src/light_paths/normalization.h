@@ -1,5 +1,5 @@
 // How connections are divided by the probability of finding them (src/reuse/estimators.md, section 16;
-// --kernel-normalization): exact, in normalization.c, or biased, for comparison alone, in biased_normalization.c.
+// --kernel-normalization): exact, or biased, for comparison alone.
 #ifndef REFRAME_LIGHT_PATHS_NORMALIZATION_H
 #define REFRAME_LIGHT_PATHS_NORMALIZATION_H
 
@@ -20,8 +20,6 @@ typedef struct RfNormalization
     void ( *divide_vpls )( RfConnectionWork* work );
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );
 } RfNormalization;
-
-extern const RfNormalization rf_exact_normalization, rf_disc_normalization, rf_density_normalization;
 
 const RfNormalization* rf_find_normalization( RfKernelNormalization normalization );
 

@@ -42,10 +42,4 @@ static inline bool rf_add_clamped( const RfClampHits* clamp, RfClampKind kind, c
     return share < 1.0f;
 }
 
-// Before the light of a batch is weighted, with a clamp.
-void rf_begin_clamp( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch );
-
-// Clamps emission of hits at the end of chains that no other camera can follow.
-void rf_clamp_seen_emission( RfHitBatch* batch, const RfHarvestScratch* scratch );
-
 #endif

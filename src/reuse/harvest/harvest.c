@@ -7,7 +7,6 @@
 #include "reuse/harvest/camera_rays.h"
 #include "reuse/harvest/hit_list.h"
 #include "reuse/harvest/own_frame.h"
-#include "reuse/harvest/own_glints.h"
 #include "reuse/harvest/record_weights.h"
 #include "reuse/harvest/visibility.h"
 
@@ -316,8 +315,6 @@ int rf_harvest_batch( const RfEstimatorGroup* group, RfTraceJob job, RfHitBatch*
         return count;
 
     // ---- MIS weights: the light of all layers
-    if ( scratch->clamp != NULL )
-        rf_begin_clamp( harvest, batch, scratch );
     rf_weight_batch( harvest, batch, scratch );
     if ( harvest->shape->own_frame_light )
         rf_light_own_frame( harvest, batch, scratch );

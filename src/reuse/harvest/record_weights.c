@@ -572,13 +572,50 @@ static void begin_layers( const RfHarvest* harvest, RfHitBatch* batch, const RfH
         batch->event[i] = rf_follows_chains( scratch ) ? scratch->chains->event[scratch->hits->slot[i]] : (uint8_t)RF_EVENT_NONE;
 }
 
+// ---- The clamp
+
+static void begin_clamp( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
+{
+    RfClampHits* clamp = scratch->clamp;
+    for ( int kind = 0; kind < RF_CLAMP_KINDS; ++kind )
+        clamp->threshold[kind] = harvest->group->clamp != NULL ? harvest->group->clamp[batch->eye].threshold[kind] : INFINITY;
+    clamp->watch = harvest->group->clamp_watch;
+    bool chains = rf_follows_chains( scratch );
+    for ( int i = 0; i < batch->count; ++i )
+    {
+        int slot = scratch->hits->slot[i];
+        clamp->dimmed[i] = 1.0f;
+        if ( chains && batch->view[i] == RF_VIEW_CHAIN )
+            clamp->dimmed[i] = rf_luminance( RF_GET3( scratch->chains->throughput, slot ) );
+    }
+}
+
+// Clamps emission of hits at the end of chains that no other camera can follow.
+static void clamp_seen_emission( RfHitBatch* batch, const RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < batch->part_count * batch->count; ++i )
+    {
+        int part = i / batch->count, hit = i % batch->count;
+        RfLayerLight* removed = rf_removed_light( batch, part );
+        float* radiance = rf_layer_light( batch, part, RF_KIND_EMISSION )->radiance + 4 * (size_t)hit;
+        float value[3] = { radiance[0], radiance[1], radiance[2] };
+        if ( batch->view[hit] != RF_VIEW_CHAIN || !( value[0] + value[1] + value[2] > 0.0f ) )
+            continue;
+        memset( radiance, 0, sizeof value );
+        if ( rf_add_clamped( scratch->clamp, RF_CLAMP_CHAINS, batch, hit, value, radiance, removed->radiance + 4 * (size_t)hit ) )
+            removed->dark = false;
+    }
+}
+
 void rf_weight_batch( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestScratch* scratch )
 {
     bool glossy = first_glossy( batch ) < batch->count;
     begin_layers( harvest, batch, scratch );
+    if ( scratch->clamp != NULL )
+        begin_clamp( harvest, batch, scratch );
     add_emission( harvest, batch, scratch );
     if ( scratch->clamp != NULL && rf_follows_chains( scratch ) )
-        rf_clamp_seen_emission( batch, scratch );
+        clamp_seen_emission( batch, scratch );
     if ( harvest->path.max_depth == 1 )
         return;
     if ( glossy )
