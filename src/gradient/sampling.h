@@ -11,7 +11,7 @@
 #define REFRAME_GRADIENT_SAMPLING_H
 
 #include "base/random.h"
-#include "reuse/plan.h"
+#include "reuse/reuse_plan.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -3,7 +3,7 @@
 #define REFRAME_REUSE_ACCUMULATE_SPLAT_H
 
 #include "reuse/accumulate/hit_light.h"
-#include "reuse/plan.h"
+#include "reuse/reuse_plan.h"
 
 // The films of a job that its batches add to. Only pixels [low, end) belong to it.
 typedef struct RfSplatFilm

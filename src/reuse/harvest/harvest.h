@@ -5,7 +5,7 @@
 
 #include "light_paths/connections.h"
 #include "path/wavefront.h"
-#include "reuse/plan.h"
+#include "reuse/reuse_plan.h"
 
 // What the steps of a batch are given.
 typedef struct RfHarvest

@@ -1,7 +1,7 @@
 // A group compiled: what its batches are made of, and which films they add to. Made once for all groups of a render that have so
 // many frames, and const from then on; RfEstimatorGroup carries it.
-#ifndef REFRAME_REUSE_PLAN_H
-#define REFRAME_REUSE_PLAN_H
+#ifndef REFRAME_REUSE_REUSE_PLAN_H
+#define REFRAME_REUSE_REUSE_PLAN_H
 
 #include "render/estimator.h"
 #include "reuse/record.h"

@@ -1,5 +1,5 @@
 // What the traits of a scene and the settings of a render call for in batches of hit records.
-#include "reuse/plan.h"
+#include "reuse/reuse_plan.h"
 
 #include "light_paths/light_paths.h"
 #include "render/render_effects.h"
