@@ -1,5 +1,7 @@
-// Errors with the place in the document, and typed reads of its values.
+// Errors with the place in the document, typed reads of its values, and which extensions are read.
 #include "gltf/gltf_document.h"
+
+#include "image/decode.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -102,7 +104,7 @@ RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const cha
                          extension, library );
 }
 
-bool rf_gltf_has_draco( void )
+static bool has_draco( void )
 {
 #ifdef REFRAME_DRACO
     return true;
@@ -228,4 +230,277 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
         }
     }
     return rf_json_result( &root );
+}
+
+// Limit of unknown extensions reported per file.
+// Extensions: those that change the image are supported, rejected if required, or reported. Here are their names alone; their
+// values are read where they belong: gltf_material.c, gltf_texture.c, gltf_light.c, gltf_node.c, gltf_primitive.c,
+// gltf_draco.c, gltf_meshopt.c.
+
+#define MAX_NAMED 32
+
+static bool never( void ) { return false; }
+
+// What is done with an extension, which a file may require where it is read.
+typedef struct Extension
+{
+    const char* name;
+    bool ( *is_read )( void ); // NULL: always
+    const char* library;       // without which it is not
+    const char* instead;       // what the user sees where it is not read; objects that use it are reported
+    const char* advice;        // of images that are not decoded: what to do
+} Extension;
+
+#define READ NULL, NULL, NULL, NULL
+#define HARMLESS READ // nothing is lost without it
+#define OTHER_IMAGE NULL, "its other image is used"
+
+static const Extension s_extensions[] = {
+    { "KHR_materials_emissive_strength", READ },
+    { "KHR_materials_specular", READ },
+    { "KHR_materials_ior", READ },
+    { "KHR_materials_transmission", READ },
+    { "KHR_materials_volume", READ },
+    { "KHR_materials_unlit", READ },
+    { "KHR_materials_clearcoat", READ },
+    { "KHR_lights_punctual", READ },
+    { "KHR_texture_transform", READ },
+    { "KHR_mesh_quantization", READ },
+    { "EXT_mesh_gpu_instancing", READ },
+    { "KHR_node_visibility", READ },
+    { "KHR_animation_pointer", READ },
+    { "EXT_texture_exr", READ },
+    { "KHR_materials_diffuse_transmission", READ },
+    { "KHR_materials_sheen", READ },
+    { "KHR_materials_variants", READ },
+    { "KHR_materials_anisotropy", READ },
+    { "KHR_materials_iridescence", READ },
+    { "KHR_materials_pbrSpecularGlossiness", READ },
+    { "KHR_materials_dispersion", READ },
+    // metadata, sounds, what users do, levels of detail besides the finest
+    { "KHR_xmp", HARMLESS },
+    { "KHR_xmp_json_ld", HARMLESS },
+    { "KHR_audio_emitter", HARMLESS },
+    { "KHR_node_hoverability", HARMLESS },
+    { "KHR_node_selectability", HARMLESS },
+    { "EXT_structural_metadata", HARMLESS },
+    { "EXT_mesh_features", HARMLESS },
+    { "EXT_instance_features", HARMLESS },
+    { "EXT_feature_metadata", HARMLESS },
+    { "AGI_stk_metadata", HARMLESS },
+    { "FB_geometry_metadata", HARMLESS },
+    { "FB_ngon_encoding", HARMLESS },
+    { "MSFT_audio_emitter", HARMLESS },
+    { "MSFT_lod", HARMLESS },
+    { "KHR_draco_mesh_compression", has_draco, "Draco", NULL, NULL },
+    { "EXT_meshopt_compression", rf_gltf_has_meshopt, "meshoptimizer", NULL, NULL },
+    { "KHR_meshopt_compression", rf_gltf_has_meshopt, "meshoptimizer", NULL, NULL },
+    { "KHR_materials_volume_scatter", never, NULL,
+      "dense bodies are rendered opaque, in the colour of their multiple scattering, others without scattering inside", NULL },
+    { "KHR_texture_basisu", never, OTHER_IMAGE,
+      "KTX2 images are not supported: convert them by `npx @gltf-transform/cli ktxdecompress in.glb out.glb`, which "
+      "needs Khronos' KTX-Software" },
+    { "EXT_texture_avif", never, OTHER_IMAGE,
+      "AVIF images are not supported: convert them by `npx @gltf-transform/cli png --formats \"*\" in.glb out.glb`" },
+    { "EXT_texture_webp", rf_decodes_webp, OTHER_IMAGE,
+      "this Reframe was built without libwebp: convert the images by `npx @gltf-transform/cli png --formats \"*\" "
+      "in.glb out.glb`" },
+    { "MSFT_texture_dds", never, OTHER_IMAGE, "DDS images are not supported: store them as PNG" },
+    { "KHR_interactivity", never, NULL, "it is as before anything happens", NULL },
+    { "EXT_lights_image_based", never, NULL,
+      "it is rendered without that light: name an image by \"environment\" in a scene file", NULL },
+    { "EXT_lights_ies", never, NULL, "it shines without its profile", NULL },
+};
+
+#define COUNT_OF( array ) ( sizeof( array ) / sizeof( array )[0] )
+
+_Static_assert( COUNT_OF( s_extensions ) <= 64, "RfGltf.noticed_extensions has a bit for each" );
+
+// NULL: it is unknown.
+static const Extension* find_extension( const char* name )
+{
+    for ( size_t i = 0; i < COUNT_OF( s_extensions ); ++i )
+    {
+        if ( strcmp( name, s_extensions[i].name ) == 0 )
+            return s_extensions + i;
+    }
+    return NULL;
+}
+
+static bool is_read( const Extension* e ) { return e != NULL && ( e->is_read == NULL || e->is_read() ); }
+
+bool rf_gltf_reads( const char* extension ) { return is_read( find_extension( extension ) ); }
+
+// What to do about an image of this extension, or NULL.
+static const char* find_image_advice( const char* name )
+{
+    const Extension* e = find_extension( name );
+    return e != NULL && !is_read( e ) ? e->advice : NULL;
+}
+
+RfResult rf_gltf_refuse_texture( const RfGltf* gltf, const RfField* texture )
+{
+    const char* key;
+    json_t* value;
+    json_object_foreach( json_object_get( texture->json, "extensions" ), key, value )
+    {
+        const char* advice = find_image_advice( key );
+        if ( advice != NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, texture->path, "%s", advice );
+    }
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, texture->path, "has no source: give it a PNG, JPEG or WebP" );
+}
+
+static RfResult fail_unsupported( const RfGltf* gltf, const char* name )
+{
+    const Extension* e = find_extension( name );
+    if ( e != NULL && e->library != NULL )
+        return rf_gltf_fail_left_out( gltf, "extensionsRequired", name, e->library );
+    if ( e != NULL && e->advice != NULL )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%s: %s", name, e->advice );
+    return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "extensionsRequired", "%.80s is not supported: export the scene without it",
+                         name );
+}
+
+RfResult rf_gltf_check_required( RfGltf* gltf )
+{
+    RfField root = rf_gltf_root( gltf );
+    const json_t* list = rf_get_array( &root, "extensionsRequired" ).json;
+    RfResult result = rf_json_result( &root );
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
+    {
+        const char* name = json_string_value( json_array_get( list, i ) );
+        if ( name == NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsRequired", "[%zu] must be a string", i );
+        if ( !rf_gltf_reads( name ) )
+            result = fail_unsupported( gltf, name );
+    }
+    return result;
+}
+
+// Warns once of an extension, of which `user` makes use.
+static void notice_extension( RfGltf* gltf, const Extension* e, const char* user )
+{
+    uint64_t bit = (uint64_t)1 << ( e - s_extensions );
+    if ( ( gltf->noticed_extensions & bit ) == 0 )
+        rf_warn( gltf->log, "%s: %s is not supported yet: %s: %s", gltf->path, e->name, user, e->instead );
+    gltf->noticed_extensions |= bit;
+}
+
+void rf_gltf_notice_extensions( RfGltf* gltf, const RfField* object, const char* kind, const char* name )
+{
+    const json_t* extensions = json_object_get( object->json, "extensions" );
+    RfWhere user = rf_where( "%s '%.80s'", kind, name );
+    for ( size_t i = 0; json_object_size( extensions ) > 0 && i < COUNT_OF( s_extensions ); ++i )
+    {
+        const Extension* e = s_extensions + i;
+        if ( e->instead != NULL && !is_read( e ) && json_object_get( extensions, e->name ) != NULL )
+            notice_extension( gltf, e, user.text );
+    }
+}
+
+static bool uses( const json_t* value, const char* extension )
+{
+    const char* key;
+    const json_t* item;
+    size_t i;
+    bool found = json_object_get( json_object_get( value, "extensions" ), extension ) != NULL;
+    json_object_foreach( (json_t*)value, key, item ) found = found || uses( item, extension );
+    json_array_foreach( value, i, item ) found = found || uses( item, extension );
+    return found;
+}
+
+static RfWhere name_item( const json_t* item, const char* list, const char* kind, size_t i )
+{
+    const char* name = json_string_value( json_object_get( item, "name" ) );
+    return name != NULL && name[0] != 0 ? rf_where( "%s '%.60s'", kind, name ) : rf_where( "%s[%zu]", list, i );
+}
+
+static bool find_in_list( const json_t* list, const char* extension, const char* list_name, const char* kind, RfWhere* user )
+{
+    const json_t* item;
+    size_t i;
+    json_array_foreach( list, i, item )
+    {
+        if ( !uses( item, extension ) )
+            continue;
+        *user = name_item( item, list_name, kind, i );
+        return true;
+    }
+    return false;
+}
+
+// Of the default scene: nothing is lost with others.
+static bool find_in_nodes( const RfGltf* gltf, const char* extension, RfWhere* user )
+{
+    for ( int i = 0; i < gltf->order_count; ++i )
+    {
+        const json_t* item = rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] );
+        if ( !uses( item, extension ) )
+            continue;
+        *user = name_item( item, "nodes", "node", (size_t)gltf->order[i] );
+        return true;
+    }
+    return false;
+}
+
+// The first object with an extension, in words: "material 'paint'" or "nodes[3]".
+static bool find_user( const RfGltf* gltf, const char* extension, RfWhere* user )
+{
+    static const char* const s_lists[][2] = {
+        { "materials", "material" }, { "meshes", "mesh" },          { "textures", "texture" }, { "images", "image" },
+        { "cameras", "camera" },     { "animations", "animation" }, { "scenes", "scene" },     { "skins", "skin" },
+        { "samplers", "sampler" },   { "accessors", "accessor" },   { "buffers", "buffer" },   { "bufferViews", "view" },
+    };
+    const json_t* own = json_object_get( gltf->root, "extensions" );
+    const json_t* lights = json_object_get( json_object_get( own, "KHR_lights_punctual" ), "lights" );
+    if ( find_in_nodes( gltf, extension, user ) || find_in_list( lights, extension, "lights", "light", user ) )
+        return true;
+    for ( size_t k = 0; k < COUNT_OF( s_lists ); ++k )
+    {
+        const json_t* list = json_object_get( gltf->root, s_lists[k][0] );
+        if ( find_in_list( list, extension, s_lists[k][0], s_lists[k][1], user ) )
+            return true;
+    }
+    *user = rf_where( "the file" );
+    return json_object_get( own, extension ) != NULL || uses( own, extension ) ||
+           uses( json_object_get( gltf->root, "asset" ), extension );
+}
+
+static void notice_used( RfGltf* gltf, const char* name, int* unknown )
+{
+    RfWhere user;
+    const Extension* e = find_extension( name );
+    if ( is_read( e ) )
+        return;
+    if ( e != NULL && e->library != NULL )
+        rf_warn( gltf->log, "%s: %s needs %s, which this build of reframe lacks: the uncompressed meshes are taken", gltf->path,
+                 name, e->library );
+    else if ( e != NULL )
+    {
+        if ( ( gltf->noticed_extensions >> ( e - s_extensions ) & 1 ) == 0 && find_user( gltf, name, &user ) )
+            notice_extension( gltf, e, user.text );
+    }
+    else if ( ++*unknown <= MAX_NAMED )
+    {
+        bool found = find_user( gltf, name, &user );
+        rf_warn( gltf->log, "%s: extension %.80s is unknown: what it adds%s%s is left out", gltf->path, name, found ? " to " : "",
+                 found ? user.text : "" );
+    }
+}
+
+RfResult rf_gltf_notice_unread( RfGltf* gltf )
+{
+    RfField root = rf_gltf_root( gltf );
+    const json_t* list = rf_get_array( &root, "extensionsUsed" ).json;
+    RfResult result = rf_json_result( &root );
+    int unknown = 0;
+    for ( size_t i = 0; result == RF_OK && i < json_array_size( list ); ++i )
+    {
+        const char* name = json_string_value( json_array_get( list, i ) );
+        if ( name == NULL )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, "extensionsUsed", "[%zu] must be a string", i );
+        notice_used( gltf, name, &unknown );
+    }
+    return result;
 }

@@ -171,7 +171,7 @@ typedef struct RfGltf
     int moving_material_count;
 
     const char* noticed[RF_GLTF_NOTICES];
-    uint64_t noticed_extensions; // one bit per row of the table in gltf_extension.c
+    uint64_t noticed_extensions; // one bit per row of the table in gltf_document.c
 } RfGltf;
 
 // A formatted name, for `where`.
@@ -214,7 +214,6 @@ RfResult rf_gltf_fail_left_out( const RfGltf* gltf, const char* where, const cha
 RfResult rf_gltf_check_required( RfGltf* gltf ); // that all extensions which the file requires are read
 RfResult rf_gltf_open_lists( RfGltf* gltf );     // the top-level lists
 RfResult rf_gltf_choose_variant( RfGltf* gltf ); // of materials, of those that are listed
-RfResult rf_gltf_open_edits( RfGltf* gltf );     // which materials and lights a scene file says something of
 RfResult rf_gltf_load_buffers( RfGltf* gltf );
 RfResult rf_gltf_load_nodes( RfGltf* gltf );
 RfResult rf_gltf_load_animations( RfGltf* gltf );
@@ -304,8 +303,7 @@ RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* object, const ui
 // Counts bytes that are decoded; fails where a file of its size must not hold so many.
 RfResult rf_gltf_take_room( const RfGltf* gltf, const char* where, uint64_t bytes );
 
-// Whether the build has libdraco and libmeshoptimizer (gltf_document.c).
-bool rf_gltf_has_draco( void );
+// Whether the build has libmeshoptimizer (gltf_document.c).
 bool rf_gltf_has_meshopt( void );
 
 // Decodes a view; `out` is NULL where it is not compressed.
@@ -414,8 +412,5 @@ const json_t* rf_gltf_document_extras( const json_t* root );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );
-
-// Reads the path in a camera node's extras.reframe, where there is one.
-RfResult rf_gltf_read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* camera );
 
 #endif

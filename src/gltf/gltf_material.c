@@ -12,7 +12,7 @@
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
 #include "gltf/gltf_material.h"
 
-#include "scene/keys.h"
+#include "scene/shared_json.h"
 #include "scene/surfaces.h"
 
 #include <math.h>

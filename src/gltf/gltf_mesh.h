@@ -22,11 +22,6 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
 // Frees a primitive.
 void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 
-// Generates the tangents that a normal texture needs, for a primitive with normals and the
-// texture's coordinates (gltf_tangents.c). Vertices shared by mirrored and unmirrored
-// triangles are duplicated.
-RfResult rf_gltf_make_tangents( const RfGltf* gltf, const char* where, const RfTextureRef* ref, RfGltfPrimitive* primitive );
-
 // Of all that is baked.
 #define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )
 

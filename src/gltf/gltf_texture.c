@@ -4,7 +4,7 @@
 #include "base/file.h"
 #include "base/system.h"
 #include "image/decode.h"
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 #include "scene/movement.h"
 #include "scene/shared_json.h"
 #include "scene/textured.h"

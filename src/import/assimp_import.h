@@ -32,9 +32,6 @@ typedef struct RfImport
 // To 0 to 1; NaN to 0.
 static inline float rf_clamp01( float value ) { return value > 0.0f ? value < 1.0f ? value : 1.0f : 0.0f; }
 
-// Imports a whole file. Messages do not name the file: the caller does.
-RfResult rf_import_by_assimp( const char* path, RfModel* model, RfLog* log, RfError* error );
-
 // Imports the materials. Fails only with RF_ERROR_MEMORY, like the following.
 RfResult rf_import_materials( RfImport* import, RfError* error );
 

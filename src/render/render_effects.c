@@ -5,7 +5,7 @@
 #include "light/changing.h"
 #include "render/settings.h"
 #include "render/sizes.h"
-#include "scene/scene_effects.h"
+#include "scene/leave_out.h"
 
 #include <math.h>
 #include <stdarg.h>

@@ -4,7 +4,7 @@
 #include "base/built_in.h"
 #include "light/changing.h"
 #include "scene/movement.h"
-#include "scene/pose_images.h"
+#include "scene/pose.h"
 
 #include <stdlib.h>
 

@@ -3,6 +3,7 @@
 #define REFRAME_SCENE_LEAVE_OUT_H
 
 #include "base/built_in.h"
+#include "reframe/effects.h"
 #include "scene/scene.h"
 
 // Has the effect been left out of the scene?
@@ -22,5 +23,8 @@ static inline bool rf_runs( const RfScene* scene, bool calls, RfEffectId effect 
 {
     return rf_is_forced( scene, effect ) || ( rf_calls_for( calls, effect ) && !rf_is_left_out( scene, effect ) );
 }
+
+// Completes a row whose id, `on` and `why` are set: its name, and what rf_choose_effects has chosen.
+void rf_finish_effect( const struct RfScene* scene, RfEffect* effect );
 
 #endif

@@ -2,7 +2,7 @@
 #include "scene/merge.h"
 
 #include "base/file.h"
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"
 #include "scene/placement.h"

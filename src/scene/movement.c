@@ -2,7 +2,7 @@
 #include "scene/movement.h"
 
 #include "scene/animation.h"
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-// Poses a scene: moving nodes in one pass, parents first, then what hangs on them.
+// The scene at a moment: places and shapes, lamps and materials, and images.
 #include "scene/pose.h"
 
 #include "base/fault.h"
@@ -6,13 +6,253 @@
 #include "base/layout.h"
 #include "scene/animation.h"
 #include "scene/deformation.h"
+#include "scene/texture.h"
 #include "scene/movement.h"
-#include "scene/pose_changes.h"
-#include "scene/pose_images.h"
+#include "scene/textured.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Where the moving nodes are at a time, and whether they are shown.
+typedef struct NodesAt
+{
+    double time;
+    const RfMat4* worlds;
+    const bool* shown;
+} NodesAt;
+
+// What reading one of them takes meanwhile.
+static size_t image_scratch( const RfScene* scene )
+{
+    size_t most = 0;
+    for ( int i = 0; scene->movement != NULL && i < scene->movement->sequence_count; ++i )
+        most = scene->movement->sequences[i].scratch > most ? scene->movement->sequences[i].scratch : most;
+    return most;
+}
+
+RfResult rf_pose_images( const RfScene* scene, double time, RfLayout* layout, RfScene* posed, RfError* error )
+{
+    const RfMovement* movement = scene->movement;
+    RfResult result = RF_OK;
+    if ( movement->sequence_count == 0 )
+        return RF_OK;
+    RF_PLACE( layout, posed->textures, scene->texture_count );
+    if ( layout->memory != NULL )
+        memcpy( posed->textures, scene->textures, (size_t)scene->texture_count * sizeof *posed->textures );
+    for ( int i = 0; result == RF_OK && i < movement->sequence_count; ++i )
+    {
+        const RfImageSequence* s = movement->sequences + i;
+        void* image = rf_take( layout, s->bytes, 1 );
+        if ( layout->memory != NULL )
+            result = rf_place_sequence_image( s, rf_sequence_number( s, time ), image, posed->textures + s->texture, error );
+    }
+    return result;
+}
+
+// Extends a hash by which images they are.
+static uint64_t hash_images( const RfScene* scene, double time, uint64_t hash )
+{
+    for ( int i = 0; i < scene->movement->sequence_count; ++i )
+    {
+        int number = rf_sequence_number( scene->movement->sequences + i, time );
+        hash = rf_hash_bytes( hash, &number, sizeof number );
+    }
+    return hash;
+}
+
+// Lamps.
+
+static RfResult fail_lamp( const RfScene* scene, const RfPunctual* lamp, double time, const char* what, RfError* error )
+{
+    return rf_fail( error, RF_ERROR_SCENE, "%s: light '%.80s' at %g s: %s", scene->path, lamp->name, time, what );
+}
+
+// At the origin of the node, pointing along −z.
+static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunctual* out )
+{
+    const double *m = world->m, *origin = scene->origin;
+    double at[3];
+    for ( int c = 0; c < 3; ++c )
+    {
+        at[c] = m[12 + c] - origin[c];
+        // written so that NaN fails
+        if ( !( fabs( at[c] ) <= RF_MAX_COORDINATE ) )
+            return "it is too far from the origin: scale the scene down";
+    }
+    out->position = rf_vec3( (float)at[0], (float)at[1], (float)at[2] );
+    if ( out->kind == RF_PUNCTUAL_POINT && !out->turned )
+        return NULL;
+    return rf_turn_lamp( m, out ) ? NULL : "it has no direction: remove zero scales from its node and from its parents";
+}
+
+// Returns what is wrong, or NULL. One that is hidden is where it was loaded.
+static const char* pose_lamp( const RfScene* scene, const RfMovingLamp* lamp, const NodesAt* nodes, RfPunctual* out )
+{
+    const RfMovement* movement = scene->movement;
+    RfLampValues now = lamp->values;
+    const double *color = now.color, *cone = now.cone;
+    if ( lamp->node >= 0 && !nodes->shown[lamp->node] )
+    {
+        out->intensity = rf_vec3( 0.0f, 0.0f, 0.0f );
+        return NULL;
+    }
+    for ( int v = 0; v < RF_CHANGED_LAMP_VALUES; ++v )
+    {
+        double all[4];
+        if ( lamp->changes[v] < 0 )
+            continue;
+        rf_sample_change( movement->changes + lamp->changes[v], nodes->time, all );
+        memcpy( rf_value_in( &now, (RfChangedValue)v ), all,
+                (size_t)rf_changed_traits( (RfChangedValue)v )->components * sizeof *all );
+    }
+    out->intensity =
+        rf_vec3( (float)( color[0] * now.intensity ), (float)( color[1] * now.intensity ), (float)( color[2] * now.intensity ) );
+    out->range = (float)fmin( now.range, HUGE_VAL );
+    if ( !( out->range > 0.0f ) )
+        return "its range is not more than 0";
+    if ( out->kind == RF_PUNCTUAL_SPOT && !( cone[0] <= cone[1] && cone[1] > 0.0 ) )
+        return "the inner angle of its cone is larger than the outer, which must be more than 0";
+    if ( out->kind == RF_PUNCTUAL_SPOT )
+        rf_set_cone( out, cone[0], cone[1] );
+    return lamp->node >= 0 ? place_lamp( scene, nodes->worlds + lamp->node, out ) : NULL;
+}
+
+static RfResult pose_lamps( const RfScene* scene, const NodesAt* nodes, RfScene* posed, RfError* error )
+{
+    const RfMovement* movement = scene->movement;
+    if ( movement->lamp_count == 0 )
+        return RF_OK;
+    memcpy( posed->punctuals, scene->punctuals, (size_t)scene->punctual_count * sizeof *posed->punctuals );
+    for ( int i = 0; i < movement->lamp_count; ++i )
+    {
+        const RfMovingLamp* lamp = movement->lamps + i;
+        RfPunctual* out = posed->punctuals + lamp->punctual;
+        const char* wrong = pose_lamp( scene, lamp, nodes, out );
+        if ( wrong != NULL )
+            return fail_lamp( scene, out, nodes->time, wrong, error );
+    }
+    return RF_OK;
+}
+
+static uint64_t hash_lamp( const RfScene* scene, const RfMovingLamp* lamp, const NodesAt* nodes, uint64_t hash )
+{
+    RfPunctual posed = scene->punctuals[lamp->punctual];
+    pose_lamp( scene, lamp, nodes, &posed );
+    hash = rf_hash_bytes( hash, &posed.intensity, sizeof posed.intensity );
+    if ( !( rf_max_component( posed.intensity ) > 0.0f ) )
+        return hash;
+    float rest[12] = { posed.position.x,  posed.position.y,  posed.position.z, posed.direction.x,
+                       posed.direction.y, posed.direction.z, posed.cos_inner,  posed.cos_outer,
+                       posed.range,       posed.across.x,    posed.across.y,   posed.across.z };
+    return rf_hash_bytes( hash, rest, sizeof rest );
+}
+
+// Materials.
+
+static void sample_materials_change( const RfChange* change, double time, RfMovingMaterial* to )
+{
+    double v[4];
+    const RfChangedTraits* traits = rf_changed_traits( change->value );
+    void* values = traits->owner == RF_OF_TEXTURE ? (void*)to->transform[change->slot] : (void*)&to->values;
+    rf_sample_change( change, time, v );
+    memcpy( rf_value_in( values, change->value ), v, (size_t)traits->components * sizeof *v );
+}
+
+static void pose_material( const RfScene* scene, const RfMovingMaterial* self, double time, RfTextured* textured,
+                           RfMaterial* out )
+{
+    RfMovingMaterial now = *self;
+    const RfChange* changes = scene->movement->changes + self->first_change;
+    for ( int i = 0; i < self->change_count; ++i )
+        sample_materials_change( changes + i, time, &now );
+    // a loaded one is the most that there is, and 0 where emission is left out
+    if ( rf_max_component( out->emission ) > 0.0f )
+        out->emission = rf_emission_of( &now.values );
+    if ( !out->changes || out->textured == NULL )
+        return;
+    *textured = *out->textured;
+    out->textured = textured;
+    if ( textured->model == RF_TEXTURED_DIFFUSE ) // which has a base of its own
+        memcpy( now.values.lobes.base, textured->factors.base, 3 * sizeof *now.values.lobes.base );
+    textured->factors = now.values.lobes;
+    for ( int i = 0; i < self->change_count; ++i )
+    {
+        if ( rf_changed_traits( changes[i].value )->owner == RF_OF_TEXTURE )
+            rf_set_uv_transform( now.transform[changes[i].slot], textured->refs[changes[i].slot].transform );
+    }
+    RfVec3 emission = out->emission;
+    rf_derive_material( out );
+    if ( !( rf_max_component( scene->materials[self->material].emission ) > 0.0f ) )
+        out->emission = emission;
+}
+
+static void pose_materials( const RfScene* scene, double time, RfTextured* textured, RfScene* posed )
+{
+    const RfMovement* movement = scene->movement;
+    if ( movement->material_count == 0 )
+        return;
+    memcpy( posed->materials, scene->materials, scene->material_count * sizeof *posed->materials );
+    for ( int i = 0; i < movement->material_count; ++i )
+    {
+        const RfMovingMaterial* self = movement->materials + i;
+        pose_material( scene, self, time, textured + i, posed->materials + self->material );
+    }
+}
+
+// The sky.
+
+static void pose_sky( const RfScene* scene, double time, RfScene* posed )
+{
+    const RfMovement* movement = scene->movement;
+    posed->environment.radiance = scene->environment.radiance;
+    for ( int i = 0; scene->environment.changes && i < movement->change_count; ++i )
+    {
+        const RfChange* change = movement->changes + i;
+        double v[4];
+        if ( !rf_is_of_sky( change->value ) )
+            continue;
+        rf_sample_change( change, time, v );
+        rf_change_sky( &posed->environment, change->value, v );
+    }
+}
+
+// Poses what changes of `scene` into `posed`, in the layout; without memory it is only measured. Fails with RF_ERROR_SCENE.
+static RfResult pose_changes( const RfScene* scene, const NodesAt* nodes, RfLayout* layout, RfScene* posed, RfError* error )
+{
+    const RfMovement* movement = scene->movement;
+    RfTextured* textured = rf_take( layout, (size_t)movement->material_count, sizeof *textured );
+    if ( movement->lamp_count > 0 )
+        RF_PLACE( layout, posed->punctuals, scene->punctual_count );
+    if ( movement->material_count > 0 )
+        RF_PLACE( layout, posed->materials, scene->material_count );
+    if ( layout->memory == NULL )
+        return RF_OK;
+    RfResult result = pose_lamps( scene, nodes, posed, error );
+    if ( result == RF_OK )
+        pose_materials( scene, nodes->time, textured, posed );
+    if ( result == RF_OK )
+        pose_sky( scene, nodes->time, posed );
+    return result;
+}
+
+// Extends a hash by all of it, without memory.
+static uint64_t hash_changes( const RfScene* scene, const NodesAt* nodes, uint64_t hash )
+{
+    const RfMovement* movement = scene->movement;
+    for ( int i = 0; i < movement->lamp_count; ++i )
+        hash = hash_lamp( scene, movement->lamps + i, nodes, hash );
+    for ( int i = 0; i < movement->change_count; ++i )
+    {
+        const RfChange* change = movement->changes + i;
+        double v[4];
+        if ( change->value <= RF_CHANGED_OUTER_CONE )
+            continue;
+        rf_sample_change( change, nodes->time, v );
+        hash = rf_hash_bytes( hash, v, (size_t)rf_changed_traits( change->value )->components * sizeof *v );
+    }
+    return hash;
+}
 
 // Where the volume of a unit cube is less than this part of the cube of its longest edge, a matrix is not inverted.
 #define FLAT_RATIO 1e-9
@@ -78,7 +318,7 @@ static Posing place_moment( const RfScene* scene, double time, RfLayout* layout,
     return p;
 }
 
-// All but what rf_pose_changes and rf_pose_images take after it.
+// All but what pose_changes and rf_pose_images take after it.
 static Posing place_pose( const RfScene* scene, double time, RfLayout* layout, RfError* error )
 {
     Posing p = place_moment( scene, time, layout, error );
@@ -106,7 +346,7 @@ static size_t pose_bytes( const RfScene* scene, bool images )
 {
     RfLayout layout = { 0 };
     place_pose( scene, 0.0, &layout, NULL );
-    rf_pose_changes( scene, NULL, &layout, NULL, NULL );
+    pose_changes( scene, NULL, &layout, NULL, NULL );
     if ( images )
         rf_pose_images( scene, 0.0, &layout, NULL, NULL );
     return layout.bytes;
@@ -126,7 +366,7 @@ RfPoseParts rf_pose_parts( const RfScene* scene )
         parts.triangles += count;
         parts.most_triangles = count > parts.most_triangles ? count : parts.most_triangles;
     }
-    parts.image_bytes = rf_image_scratch( scene );
+    parts.image_bytes = image_scratch( scene );
     return parts;
 }
 
@@ -331,10 +571,10 @@ RfResult rf_pose_scene( const RfScene* scene, double time, RfPosedScene* pose, R
         time = p.time = p.shown_at;
         find_nodes( &p ); // of lamps
     }
-    RfNodesAt nodes = { time, p.worlds, p.shown };
-    pose->hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, pose->hash ) );
+    NodesAt nodes = { time, p.worlds, p.shown };
+    pose->hash = hash_images( scene, time, hash_changes( scene, &nodes, pose->hash ) );
     if ( result == RF_OK )
-        result = rf_pose_changes( scene, &nodes, &layout, &pose->scene, error );
+        result = pose_changes( scene, &nodes, &layout, &pose->scene, error );
     if ( result == RF_OK && !pose->places_alone )
         result = rf_pose_images( scene, time, &layout, &pose->scene, error );
     return result;
@@ -365,9 +605,9 @@ static RfResult hash_moment( const RfScene* scene, double time, bool all, uint64
         RfMat4 matrix;
         follow( &p, p.movement->movers + i, &matrix, hash );
     }
-    RfNodesAt nodes = { time, p.worlds, p.shown };
+    NodesAt nodes = { time, p.worlds, p.shown };
     if ( all )
-        *hash = rf_hash_images( scene, time, rf_hash_changes( scene, &nodes, *hash ) );
+        *hash = hash_images( scene, time, hash_changes( scene, &nodes, *hash ) );
     free( memory );
     return RF_OK;
 }

@@ -2,6 +2,7 @@
 #ifndef REFRAME_SCENE_POSE_H
 #define REFRAME_SCENE_POSE_H
 
+#include "base/layout.h"
 #include "scene/scene.h"
 
 // Starts as zeros.
@@ -50,5 +51,8 @@ bool rf_surfaces_move( const RfScene* scene, double t0, double t1 );
 
 // A hash of how all that moves and changes is at a time: that of a pose, at a fraction of its cost. Fails with RF_ERROR_MEMORY.
 RfResult rf_moment_hash( const RfScene* scene, double time, uint64_t* hash, RfError* error );
+
+// Decodes the images of a time for `posed` into the layout; without memory they are only measured. Errors name the file.
+RfResult rf_pose_images( const RfScene* scene, double time, RfLayout* layout, RfScene* posed, RfError* error );
 
 #endif

@@ -3,11 +3,12 @@
 
 #include "scene/camera_path/camera_track.h"
 #include "scene/deformation.h"
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 #include "scene/movement.h"
 
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -174,4 +175,16 @@ void rf_destroy_scene( RfScene* scene )
     free( scene->light_groups );
     free( scene->path );
     memset( scene, 0, sizeof *scene );
+}
+
+RfResult rf_check_rendered( const RfScene* scene, RfError* error )
+{
+    int more = scene->unrendered_count - 1;
+    char rest[32] = "";
+    if ( more < 0 || scene->frozen )
+        return RF_OK;
+    if ( more > 0 )
+        snprintf( rest, sizeof rest, " (and %d more)", more );
+    return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: %s: %s%s: take it out, or freeze all as in the first frame (--freeze)",
+                    scene->path, scene->unrendered->what, scene->unrendered->why, rest );
 }

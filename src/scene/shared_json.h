@@ -3,8 +3,9 @@
 #define REFRAME_SCENE_SHARED_JSON_H
 
 #include "base/json.h"
-#include "scene/image_sequence.h"
+#include "scene/movement.h"
 #include "scene/scene.h"
+#include "scene/texture.h"
 
 // What the JSON says of one.
 typedef struct RfEnvironmentText
@@ -45,5 +46,27 @@ RfResult rf_read_sequence( const RfField* object, RfImageSequence* sequence, con
 
 // Reads {"transform": "AgX", "look": "AgX - Punchy", "exposure": 0.5, "gamma": 1}; a field without a value changes nothing.
 RfResult rf_read_view( const RfField* object, RfViewText* view );
+
+// A value that keys may have.
+typedef struct RfKeyed
+{
+    const char* name;
+    RfAnimatedPath path;
+    int components; // numbers of it
+    double low, high;
+    double unit;                                               // by which the numbers are multiplied
+    RfResult ( *read )( const RfField* field, double* value ); // NULL: numbers in that range
+} RfKeyed;
+
+// How a value of a scene is read from a scene file.
+RfKeyed rf_keyed_value( RfChangedValue value );
+
+// Reads one of these values; one that is missing is left as it is.
+RfResult rf_read_keyed( const RfField* field, const RfKeyed* kind, double* value );
+
+// Reads the members "keys" and "interpolation" of an object: for each kind a channel in seconds of the scene, of node −1, without
+// keys where none has it. Frames are counted at `fps`, the first is 1, at 0 s; `in_frames`: there are such. Fails where
+// keys and the object itself give a value. The channels are to be freed, also on failure.
+RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, int count, RfChannel* channels, bool* in_frames );
 
 #endif

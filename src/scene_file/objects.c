@@ -4,7 +4,7 @@
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "scene/camera_path/camera_track_read.h"
-#include "scene/keys.h"
+#include "scene/shared_json.h"
 #include "scene/merge.h"
 
 #include <stdio.h>

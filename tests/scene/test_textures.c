@@ -1,7 +1,7 @@
 // Textures alone and in pictures: look-ups against numbers worked out by hand, rendered
 // values against closed forms, cut-outs for every kind of ray, and `--group 0` against the
 // plain path tracer to the bit.
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 #include "support/reference_tracer.h"
 #include "support/render_support.h"
 #include "support/rooms.h"

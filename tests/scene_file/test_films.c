@@ -4,7 +4,7 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include "scene/image_sequence.h"
+#include "scene/texture.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
