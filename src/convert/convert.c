@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "convert/glb_write.h"
 #include "convert/ply_read.h"
@@ -188,12 +189,10 @@ RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog
 {
     *counts = ( RfModelCounts ){ 0 };
     RfAtomicFile file;
-    RfResult result = rf_open_atomic_file( run->target, &file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_atomic_file( run->target, &file, error ) );
     pid_t child = -1;
     int fd = -1, status = 0;
-    result = start( run, file.fd, &child, &fd, error );
+    RfResult result = start( run, file.fd, &child, &fd, error );
     if ( result == RF_OK )
     {
         Messages messages = { .size = 0 };
@@ -233,12 +232,8 @@ static RfResult check_files( const char* from, const char* to, bool overwrite, c
 {
     if ( !rf_has_extension( to, ".glb" ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: only .glb is written: name it .glb", to );
-    RfResult result = read_head( from, head, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_refuse_blend_file( from, head, HEAD_BYTES, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_head( from, head, error ) );
+    RF_TRY( rf_refuse_blend_file( from, head, HEAD_BYTES, error ) );
     if ( rf_has_extension( from, ".glb" ) || rf_has_extension( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: is glTF already and needs no conversion: render it as it is", from );
     struct stat status;
@@ -284,12 +279,10 @@ RfResult rf_convert_model( const char* source, const char* target, const RfConve
 {
     char head[HEAD_BYTES];
     RfModelCounts found = { 0 };
-    RfResult result = check_files( source, target, options->overwrite, head, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_files( source, target, options->overwrite, head, error ) );
     bool is_ply = memcmp( head, "ply", 3 ) == 0 && ( head[3] == '\n' || head[3] == '\r' || head[3] == ' ' );
-    result = is_ply && !options->assimp ? convert_ply( source, target, options, &found, log, error )
-                                        : convert_by_assimp( source, target, options, &found, log, error );
+    RfResult result = is_ply && !options->assimp ? convert_ply( source, target, options, &found, log, error )
+                                                 : convert_by_assimp( source, target, options, &found, log, error );
     if ( counts != NULL )
         *counts = found;
     return result;

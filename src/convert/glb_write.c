@@ -3,6 +3,7 @@
 
 #include "base/json.h"
 #include "base/remedy.h"
+#include "base/try.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -487,14 +488,13 @@ static RfResult check_lights_and_cameras( const RfModel* model, RfError* error )
 // Rejects a model that glTF cannot represent; the message names the part.
 static RfResult check_model( const RfModel* model, RfError* error )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; i < model->mesh_count && result == RF_OK; ++i )
-        result = check_mesh( model, i, error );
-    for ( int i = 0; i < model->material_count && result == RF_OK; ++i )
-        result = check_material( model, i, error );
-    for ( int i = 0; i < model->node_count && result == RF_OK; ++i )
-        result = check_node( model, i, error );
-    return result == RF_OK ? check_lights_and_cameras( model, error ) : result;
+    for ( int i = 0; i < model->mesh_count; ++i )
+        RF_TRY( check_mesh( model, i, error ) );
+    for ( int i = 0; i < model->material_count; ++i )
+        RF_TRY( check_material( model, i, error ) );
+    for ( int i = 0; i < model->node_count; ++i )
+        RF_TRY( check_node( model, i, error ) );
+    return check_lights_and_cameras( model, error );
 }
 
 static void put_u32( uint8_t* at, uint64_t value )
@@ -519,15 +519,14 @@ static RfResult append_chunk_head( RfAtomicFile* file, uint64_t size, const char
 
 static RfResult append_binary( RfAtomicFile* file, const RfGlbDocument* document, RfError* error )
 {
-    RfResult result = append_chunk_head( file, document->size, "BIN\0", error );
-    for ( int i = 0; i < document->part_count && result == RF_OK; ++i )
+    RF_TRY( append_chunk_head( file, document->size, "BIN\0", error ) );
+    for ( int i = 0; i < document->part_count; ++i )
     {
         const RfGlbPart* part = document->parts + i;
-        result = rf_append_atomic_file( file, part->bytes, (size_t)part->size, error );
-        if ( result == RF_OK )
-            result = append_padding( file, part->size, 0, error );
+        RF_TRY( rf_append_atomic_file( file, part->bytes, (size_t)part->size, error ) );
+        RF_TRY( append_padding( file, part->size, 0, error ) );
     }
-    return result;
+    return RF_OK;
 }
 
 static RfResult append_all( RfAtomicFile* file, const RfGlbDocument* document, const char* text, RfError* error )
@@ -540,23 +539,18 @@ static RfResult append_all( RfAtomicFile* file, const RfGlbDocument* document, c
     uint8_t head[12] = { 'g', 'l', 'T', 'F' };
     put_u32( head + 4, 2 );
     put_u32( head + 8, total );
-    RfResult result = rf_append_atomic_file( file, head, sizeof head, error );
-    if ( result == RF_OK )
-        result = append_chunk_head( file, text_size, "JSON", error );
-    if ( result == RF_OK )
-        result = rf_append_atomic_file( file, text, (size_t)text_size, error );
-    if ( result == RF_OK )
-        result = append_padding( file, text_size, ' ', error );
-    return result == RF_OK && document->size > 0 ? append_binary( file, document, error ) : result;
+    RF_TRY( rf_append_atomic_file( file, head, sizeof head, error ) );
+    RF_TRY( append_chunk_head( file, text_size, "JSON", error ) );
+    RF_TRY( rf_append_atomic_file( file, text, (size_t)text_size, error ) );
+    RF_TRY( append_padding( file, text_size, ' ', error ) );
+    return document->size > 0 ? append_binary( file, document, error ) : RF_OK;
 }
 
 RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error )
 {
-    RfResult result = check_model( model, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_model( model, error ) );
     RfGlbDocument document;
-    result = make_glb_document( model, &document, error );
+    RfResult result = make_glb_document( model, &document, error );
     if ( result == RF_OK )
     {
         char* text = json_dumps( document.root, JSON_COMPACT );
@@ -575,9 +569,7 @@ RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, R
     if ( !overwrite && access( path, F_OK ) == 0 )
         return rf_advise( rf_fail( error, RF_ERROR_IO, "%s: already exists", path ), RF_REMEDY_OVERWRITE, 0, error );
     RfAtomicFile file;
-    RfResult result = rf_open_atomic_file( path, &file, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_append_glb( &file, model, error );
+    RF_TRY( rf_open_atomic_file( path, &file, error ) );
+    RfResult result = rf_append_glb( &file, model, error );
     return rf_end_atomic_file( &file, result, error );
 }

@@ -1,6 +1,8 @@
 // Tokens of PLY: parses the header, and single values in ASCII or either byte order.
 #include "convert/ply_file.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -324,9 +326,7 @@ RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
 RfResult rf_ply_read_count( RfPlyFile* file, const RfPlyProperty* property, uint32_t* count )
 {
     double value = 0.0;
-    RfResult result = rf_ply_read_value( file, property->count_type, &value );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_ply_read_value( file, property->count_type, &value ) );
     uint64_t room = ( file->size - file->at + 1 ) / least_bytes( file, property->type );
     if ( !( value >= 0.0 && value <= (double)room && value < 4294967295.0 ) )
         return rf_ply_fail( file, "list %s has a length of %.0f, which is negative or more than the file holds", property->name,

@@ -2,6 +2,7 @@
 #include "convert/ply_read.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "convert/ply_file.h"
 #include "image/decode.h"
 
@@ -127,9 +128,7 @@ static RfResult bind_vertices( RfPlyReader* r, const RfPlyElement* element, Slot
 static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot* slot, uint64_t i )
 {
     double value;
-    RfResult result = rf_ply_read_value( &r->file, property->type, &value );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_ply_read_value( &r->file, property->type, &value ) );
     if ( !( fabs( value ) <= 3e38 ) )
         return rf_ply_fail( &r->file, "%s of vertex %llu is not a finite number", property->name, (unsigned long long)i );
     float f = (float)value * slot->scale;
@@ -489,14 +488,13 @@ static RfResult ply_read_strips( RfPlyReader* r, const RfPlyElement* element )
 
 static RfResult skip_element( RfPlyReader* r, const RfPlyElement* element )
 {
-    RfResult result = RF_OK;
     uint64_t count = element->property_count > 0 ? element->count : 0;
-    for ( uint64_t i = 0; result == RF_OK && i < count; ++i )
+    for ( uint64_t i = 0; i < count; ++i )
     {
-        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
-            result = rf_ply_skip( &r->file, element->properties + k );
+        for ( int k = 0; k < element->property_count; ++k )
+            RF_TRY( rf_ply_skip( &r->file, element->properties + k ) );
     }
-    return result;
+    return RF_OK;
 }
 
 static RfResult read_elements( RfPlyReader* r )

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "gltf/gltf_material.h"
@@ -129,11 +130,10 @@ static RfResult open_all_edits( RfGltf* gltf )
         if ( ( rf_changed_traits( v )->flags & RF_VALUE_IN_FILE ) != 0 )
             keys[count++] = rf_changed_traits( v )->name;
     }
-    RfResult result =
-        open_edits( gltf, &gltf->options->materials, "material", gltf->lists[RF_GLTF_MATERIALS], keys, &gltf->material_edits );
-    return result == RF_OK ? open_edits( gltf, &gltf->options->lights, "light", json_object_get( punctual, "lights" ),
-                                         s_light_keys, &gltf->light_edits )
-                           : result;
+    RF_TRY(
+        open_edits( gltf, &gltf->options->materials, "material", gltf->lists[RF_GLTF_MATERIALS], keys, &gltf->material_edits ) );
+    return open_edits( gltf, &gltf->options->lights, "light", json_object_get( punctual, "lights" ), s_light_keys,
+                       &gltf->light_edits );
 }
 
 // Views into the bytes of the file.
@@ -179,9 +179,7 @@ static RfResult check_header( const char* path, const uint8_t* bytes, size_t siz
 static RfResult split_glb( const char* path, const uint8_t* bytes, size_t size, RfGlb* glb, RfError* error )
 {
     *glb = ( RfGlb ){ 0 };
-    RfResult result = check_header( path, bytes, size, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_header( path, bytes, size, error ) );
 
     size_t at = HEADER_SIZE;
     for ( int chunk = 0; at < size; ++chunk )
@@ -340,20 +338,14 @@ static RfResult parse( RfGltf* gltf, const char* text, size_t size )
 
 static RfResult open_document( RfGltf* gltf )
 {
-    RfResult result = rf_read_file( gltf->path, MAX_FILE_BYTES, &gltf->file, &gltf->file_size, gltf->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_file( gltf->path, MAX_FILE_BYTES, &gltf->file, &gltf->file_size, gltf->error ) );
     gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
-    result = rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error ) );
     if ( is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 
     RfGlb glb;
-    result = split_glb( gltf->path, gltf->file, gltf->file_size, &glb, gltf->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( split_glb( gltf->path, gltf->file, gltf->file_size, &glb, gltf->error ) );
     gltf->bin = glb.bin;
     gltf->bin_size = glb.bin_size;
     return parse( gltf, (const char*)glb.json, glb.json_size );
@@ -374,9 +366,7 @@ static RfResult check_asset( RfGltf* gltf )
     RfField asset = rf_gltf_field( gltf, "asset", json_object_get( gltf->root, "asset" ) );
     rf_gltf_require( &asset, "version", NULL );
     rf_get_text( &asset, "version", &version );
-    RfResult result = rf_get_text( &asset, "minVersion", &least );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_text( &asset, "minVersion", &least ) );
     if ( is_version_2( version ) == false || strcmp( least, "2.0" ) != 0 )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "asset",
                              "is glTF %.20s and needs a reader of %.20s or later: export it as glTF 2.0", version, least );
@@ -415,10 +405,9 @@ static RfResult read_document( RfGltf* gltf )
         choose_time,         rf_gltf_load_materials, rf_gltf_split_light_groups, rf_gltf_load_lights,     rf_gltf_load_meshes,
         rf_gltf_load_images, rf_gltf_list_moving,    rf_gltf_notice_unread,
     };
-    RfResult result = RF_OK;
-    for ( size_t i = 0; result == RF_OK && i < sizeof s_steps / sizeof s_steps[0]; ++i )
-        result = s_steps[i]( gltf );
-    return result;
+    for ( size_t i = 0; i < sizeof s_steps / sizeof s_steps[0]; ++i )
+        RF_TRY( s_steps[i]( gltf ) );
+    return RF_OK;
 }
 
 static void close_document( RfGltf* gltf )

@@ -1,6 +1,8 @@
 // Where the numbers of a document are: views of buffers, and accessors.
 #include "gltf/gltf_document.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,11 +13,9 @@ RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, ui
     const uint8_t* start = NULL;
     uint64_t extent = 0;
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
-    RfResult result = rf_gltf_unpack_view( gltf, view, &unpacked );
-    if ( result == RF_OK && unpacked == NULL )
-        result = rf_gltf_read_range( gltf, &json, &start, &extent );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_unpack_view( gltf, view, &unpacked ) );
+    if ( unpacked == NULL )
+        RF_TRY( rf_gltf_read_range( gltf, &json, &start, &extent ) );
     if ( unpacked != NULL )
     {
         start = unpacked->bytes;
@@ -42,9 +42,7 @@ static RfResult view_stride( const RfGltf* gltf, int view, uint64_t element, uin
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
     int64_t value = (int64_t)element;
-    RfResult result = rf_get_integer( &json, "byteStride", 4, 252, &value );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( &json, "byteStride", 4, 252, &value ) );
     if ( (uint64_t)value < element )
         return rf_field_fail( &json, "byteStride is %lld, but the elements have %llu bytes", (long long)value,
                               (unsigned long long)element );
@@ -222,12 +220,11 @@ RfResult rf_gltf_read_layout( const RfGltf* gltf, const RfField* json, bool matr
     rf_gltf_check_limit( gltf, json->path, "count", (double)count, (double)MAX_ELEMENTS );
     out->count = (uint32_t)count;
     read_component_type( json, &out->component_type );
-    RfResult result = read_type( json, matrix, out );
-    if ( result == RF_OK )
-        result = rf_get_bool( json, "normalized", &out->normalized );
-    if ( result == RF_OK && out->normalized && out->component_type >= UNSIGNED_INT )
+    RF_TRY( read_type( json, matrix, out ) );
+    RF_TRY( rf_get_bool( json, "normalized", &out->normalized ) );
+    if ( out->normalized && out->component_type >= UNSIGNED_INT )
         return rf_field_fail( json, "normalized needs components of 8 or 16 bits" );
-    return result;
+    return RF_OK;
 }
 
 static uint64_t element_size( const RfGltfAccessor* accessor )
@@ -239,9 +236,7 @@ static RfResult read_view( const RfGltf* gltf, const RfField* json, RfGltfAccess
 {
     int64_t offset = 0;
     int view = rf_gltf_get_index( gltf, json, "bufferView", RF_GLTF_BUFFER_VIEWS );
-    RfResult result = rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset ) );
     if ( view < 0 && out->count > MAX_ZEROS )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, json->path,
                              "%u elements without a bufferView are too many, the limit is %lld: "
@@ -250,9 +245,7 @@ static RfResult read_view( const RfGltf* gltf, const RfField* json, RfGltfAccess
     if ( view < 0 )
         return RF_OK;
     uint64_t size = element_size( out );
-    result = view_stride( gltf, view, size, &out->stride );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( view_stride( gltf, view, size, &out->stride ) );
     // count ≤ 2³¹ and stride ≤ 252: no overflow
     uint64_t need = out->stride * ( (uint64_t)out->count - 1 ) + size;
     return rf_gltf_view_bytes( gltf, json->path, view, (uint64_t)offset, need, &out->data );
@@ -303,11 +296,8 @@ static RfResult read_sparse( const RfGltf* gltf, const RfField* accessor, RfGltf
         return rf_field_fail( &sparse, "indices must have an unsigned componentType" );
 
     uint64_t index_bytes = (uint64_t)count * (uint64_t)rf_gltf_component_size( out->sparse_type );
-    result = read_sparse_part( gltf, &sparse, "indices", index_bytes, &out->sparse_indices );
-    if ( result == RF_OK )
-        result = read_sparse_part( gltf, &sparse, "values", (uint64_t)count * element_size( out ), &out->sparse_values );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_sparse_part( gltf, &sparse, "indices", index_bytes, &out->sparse_indices ) );
+    RF_TRY( read_sparse_part( gltf, &sparse, "values", (uint64_t)count * element_size( out ), &out->sparse_values ) );
     out->sparse_count = (uint32_t)count;
     return check_sparse_indices( gltf, sparse.path, out );
 }

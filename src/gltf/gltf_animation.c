@@ -2,6 +2,7 @@
 // span in which each node moves.
 #include "gltf/gltf_material.h"
 
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/camera_path/curve.h"
 
@@ -78,26 +79,23 @@ static RfResult read_values( RfGltf* gltf, int index, const char* where, RfChann
         elements *= components;
         components = 1;
     }
-    RfResult result = rf_gltf_expect( gltf, index, accessor, where, components );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_expect( gltf, index, accessor, where, components ) );
     if ( accessor->count != elements )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output accessors[%d] has %u elements, %lld are needed", index,
                              accessor->count, (long long)elements );
     channel->values = malloc( (size_t)elements * (size_t)components * sizeof *channel->values );
     if ( channel->values == NULL )
         return rf_gltf_no_memory( gltf, where );
-    for ( int i = 0; result == RF_OK && i < elements; ++i )
+    for ( int i = 0; i < elements; ++i )
     {
         float value[4];
         double* out = channel->values + (size_t)i * (size_t)components;
-        result = rf_gltf_read_floats( gltf, index, (uint32_t)i, value );
-        for ( int c = 0; result == RF_OK && c < components; ++c )
+        RF_TRY( rf_gltf_read_floats( gltf, index, (uint32_t)i, value ) );
+        for ( int c = 0; c < components; ++c )
             out[c] = (double)value[c];
-        if ( result == RF_OK )
-            result = check_rotation( gltf, where, channel, i, out );
+        RF_TRY( check_rotation( gltf, where, channel, i, out ) );
     }
-    return result;
+    return RF_OK;
 }
 
 // Truth has nothing between its values.
@@ -124,23 +122,18 @@ static RfResult read_sampler( RfGltf* gltf, Loader* loader, const RfField* json,
     rf_gltf_require( json, "input", "output", NULL );
     int input = rf_gltf_get_index( gltf, json, "input", RF_GLTF_ACCESSORS ),
         output = rf_gltf_get_index( gltf, json, "output", RF_GLTF_ACCESSORS );
-    RfResult result = rf_json_result( json );
-    if ( result == RF_OK )
-        result = rf_gltf_open_accessor( gltf, input, where, 1, &times );
-    if ( result == RF_OK )
-        result = rf_gltf_open_accessor( gltf, output, where, 0, &values );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_json_result( json ) );
+    RF_TRY( rf_gltf_open_accessor( gltf, input, where, 1, &times ) );
+    RF_TRY( rf_gltf_open_accessor( gltf, output, where, 0, &values ) );
 
     loader->values += (uint64_t)times->count + (uint64_t)values->count * (uint64_t)values->components;
     if ( loader->values > MAX_VALUES )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu numbers in the animations: bake fewer keys",
                              (unsigned long long)MAX_VALUES );
     channel->count = (int)times->count;
-    result = read_times( gltf, input, where, channel );
-    if ( result == RF_OK )
-        result = read_values( gltf, output, where, channel );
-    return result == RF_OK ? check_visibility( gltf, where, channel ) : result;
+    RF_TRY( read_times( gltf, input, where, channel ) );
+    RF_TRY( read_values( gltf, output, where, channel ) );
+    return check_visibility( gltf, where, channel );
 }
 
 // What a channel animates.
@@ -315,11 +308,8 @@ static RfResult follow_pointer( RfGltf* gltf, const RfField* target, const char*
     if ( extension.json == NULL )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "target.extensions.KHR_animation_pointer is missing" );
     rf_gltf_require( &extension, "pointer", NULL );
-    RfResult result = rf_get_text( &extension, "pointer", &pointer );
-    if ( result == RF_OK )
-        result = take_apart( gltf, pointer, where, &parts );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_text( &extension, "pointer", &pointer ) );
+    RF_TRY( take_apart( gltf, pointer, where, &parts ) );
     out->unrendered = pointer;
     if ( parts.list != NULL )
         follow( &parts, out );
@@ -330,9 +320,7 @@ static RfResult follow_pointer( RfGltf* gltf, const RfField* target, const char*
 static RfResult note_pointer( RfGltf* gltf, const char* pointer )
 {
     Pointer parts;
-    RfResult result = take_apart( gltf, pointer, "animations", &parts );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( take_apart( gltf, pointer, "animations", &parts ) );
     RfWhere what = name_target( gltf, pointer, &parts );
     return rf_gltf_note_unrendered( gltf, what.text, "the file animates '%.160s', which is not rendered", pointer );
 }
@@ -429,23 +417,21 @@ static RfResult load_channel( RfGltf* gltf, Loader* loader, const RfField* json,
 {
     Target target;
     RfChannel* channel = &target.change.channel;
-    RfResult result = read_target( gltf, json, &target );
-    if ( result == RF_OK && target.unrendered != NULL )
-        result = note_pointer( gltf, target.unrendered );
-    if ( result == RF_OK && target.wanted )
-        result = take_target( gltf, loader, json->path, animation, &target );
-    if ( result != RF_OK || !target.wanted )
-        return result;
+    RF_TRY( read_target( gltf, json, &target ) );
+    if ( target.unrendered != NULL )
+        RF_TRY( note_pointer( gltf, target.unrendered ) );
+    if ( target.wanted )
+        RF_TRY( take_target( gltf, loader, json->path, animation, &target ) );
+    if ( !target.wanted )
+        return RF_OK;
 
     int64_t number = -1;
     rf_gltf_require( json, "sampler", NULL );
-    result = rf_get_integer( json, "sampler", 0, (int64_t)json_array_size( samplers->json ) - 1, &number );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( json, "sampler", 0, (int64_t)json_array_size( samplers->json ) - 1, &number ) );
     RfField sampler = rf_field_item( samplers, (size_t)number );
     if ( json_is_object( sampler.json ) == 0 )
         return rf_field_fail( &sampler, "must be an object" );
-    result = read_sampler( gltf, loader, &sampler, channel );
+    RfResult result = read_sampler( gltf, loader, &sampler, channel );
     if ( result == RF_OK && channel->path == RF_VALUE )
         result = rf_gltf_check_change( gltf, sampler.path, &target.change );
     if ( result == RF_OK )

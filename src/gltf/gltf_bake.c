@@ -2,6 +2,7 @@
 // space, for what moves.
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
 #include "scene/deformation.h"
 
 #include <float.h>
@@ -195,14 +196,10 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
 {
     RfTriangles* t = baker->triangles;
     uint32_t base = t->vertex_count, first = t->count;
-    RfResult result = append_vertices( gltf, baker, primitive, where );
-    if ( result == RF_OK )
-        result = reserve_triangles( gltf, baker, primitive->t.count, where );
-    if ( result == RF_OK )
-        result = matrix != NULL ? transform_vertices( gltf, t, base, primitive, matrix, where )
-                                : check_vertices( gltf, t, base, where );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( append_vertices( gltf, baker, primitive, where ) );
+    RF_TRY( reserve_triangles( gltf, baker, primitive->t.count, where ) );
+    RF_TRY( matrix != NULL ? transform_vertices( gltf, t, base, primitive, matrix, where )
+                           : check_vertices( gltf, t, base, where ) );
     // a mirroring matrix reverses the winding: swap two corners to restore it
     bool mirrored = matrix != NULL && rf_mat4_det3( matrix ) < 0.0;
     for ( size_t i = 0; i < primitive->t.count; ++i )
@@ -308,9 +305,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
             deformation->influences = rf_gltf_has_eight_joints( json_array_get( primitives, i ) ) ? EIGHT : FOUR;
     }
     int count;
-    RfResult result = rf_gltf_mesh_targets( r->gltf, r->gltf->uses[r->shape->use].mesh, &count );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_mesh_targets( r->gltf, r->gltf->uses[r->shape->use].mesh, &count ) );
     deformation->targets = calloc( (size_t)count + 1, sizeof *deformation->targets );
     if ( deformation->targets == NULL )
         return rf_gltf_no_memory( r->gltf, where );

@@ -2,6 +2,7 @@
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"
+#include "base/try.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -164,10 +165,8 @@ RfResult rf_gltf_read_uri( const RfGltf* gltf, const char* where, const char* ur
         return decode_data_uri( gltf, where, uri, bytes, size );
     char* path;
     RfError error;
-    RfResult result = rf_gltf_resolve_uri( gltf, where, uri, &path );
-    if ( result != RF_OK )
-        return result;
-    result = rf_read_file( path, limit, bytes, size, &error );
+    RF_TRY( rf_gltf_resolve_uri( gltf, where, uri, &path ) );
+    RfResult result = rf_read_file( path, limit, bytes, size, &error );
     free( path );
     return result == RF_OK ? RF_OK : rf_gltf_fail( gltf, result, where, "%.560s", error.text );
 }
@@ -299,9 +298,7 @@ RfResult rf_gltf_read_range( const RfGltf* gltf, const RfField* json, const uint
     rf_gltf_require( json, "buffer", "byteLength", NULL );
     int buffer = rf_gltf_get_index( gltf, json, "buffer", RF_GLTF_BUFFERS );
     rf_get_integer( json, "byteOffset", 0, INT64_MAX, &offset );
-    RfResult result = rf_get_integer( json, "byteLength", 1, INT64_MAX, &extent );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( json, "byteLength", 1, INT64_MAX, &extent ) );
 
     uint64_t size = gltf->buffers[buffer].size, start = (uint64_t)offset;
     *length = (uint64_t)extent;

@@ -1,6 +1,7 @@
 // What changes by keys and is not of a node: the list of it, and its way into the scene.
 #include "gltf/gltf_material.h"
 
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
@@ -55,13 +56,12 @@ RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfCh
     size_t n = (size_t)channel->components, per_key = channel->interpolation == RF_CUBICSPLINE ? 3 * n : n;
     const double* values = channel->values + ( per_key > n ? n : 0 );
     RfWhere name = rf_where( "%s of the output", traits->name );
-    RfResult result = RF_OK;
-    for ( size_t k = 0; result == RF_OK && k < (size_t)channel->count; ++k )
+    for ( size_t k = 0; k < (size_t)channel->count; ++k )
     {
-        for ( size_t i = 0; result == RF_OK && i < n; ++i )
-            result = check_value( gltf, where, name.text, traits, values[k * per_key + i] );
+        for ( size_t i = 0; i < n; ++i )
+            RF_TRY( check_value( gltf, where, name.text, traits, values[k * per_key + i] ) );
     }
-    return result;
+    return RF_OK;
 }
 
 RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change )

@@ -1,6 +1,8 @@
 // What deforms meshes: morph targets, with their weights where nothing animates them, and skins.
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -243,9 +245,7 @@ static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* sk
 static RfResult read_inverse_bind( const RfGltf* gltf, const char* where, int index, uint32_t element, RfMat4* out )
 {
     float m[16];
-    RfResult result = rf_gltf_read_floats( gltf, index, element, m );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_read_floats( gltf, index, element, m ) );
     if ( fabsf( m[3] ) > AFFINE_TOLERANCE || fabsf( m[7] ) > AFFINE_TOLERANCE || fabsf( m[11] ) > AFFINE_TOLERANCE ||
          fabsf( m[15] - 1.0f ) > AFFINE_TOLERANCE )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices[%u] has a last row other than 0 0 0 1", element );
@@ -264,15 +264,13 @@ static RfResult read_inverse_binds( RfGltf* gltf, const RfField* json, RfSkin* s
     if ( index < 0 )
         return rf_json_result( json );
     const RfGltfAccessor* accessor;
-    RfResult result = rf_gltf_open_accessor( gltf, index, "skins", 16, &accessor );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_open_accessor( gltf, index, "skins", 16, &accessor ) );
     if ( accessor->count < (uint32_t)skin->joint_count )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices has %u elements for %d joints", accessor->count,
                              skin->joint_count );
-    for ( int i = 0; result == RF_OK && i < skin->joint_count; ++i )
-        result = read_inverse_bind( gltf, where, index, (uint32_t)i, skin->inverse_binds + i );
-    return result;
+    for ( int i = 0; i < skin->joint_count; ++i )
+        RF_TRY( read_inverse_bind( gltf, where, index, (uint32_t)i, skin->inverse_binds + i ) );
+    return RF_OK;
 }
 
 RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
@@ -282,15 +280,13 @@ RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
     if ( movement->skins == NULL )
         return rf_gltf_no_memory( gltf, "skins" );
     movement->skin_count = count;
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < count; ++i )
+    for ( int i = 0; i < count; ++i )
     {
         RfField json = rf_gltf_item_field( gltf, RF_GLTF_SKINS_LIST, i );
-        result = read_joints( gltf, &json, movement->skins + i );
-        if ( result == RF_OK )
-            result = read_inverse_binds( gltf, &json, movement->skins + i );
+        RF_TRY( read_joints( gltf, &json, movement->skins + i ) );
+        RF_TRY( read_inverse_binds( gltf, &json, movement->skins + i ) );
     }
-    return result;
+    return RF_OK;
 }
 
 // JOINTS_0 and WEIGHTS_0, JOINTS_1 and WEIGHTS_1: accessors, or −1.
@@ -392,9 +388,7 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
 {
     const char* where = json->path;
     Influences from;
-    RfResult result = open_influences( gltf, json, &from );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( open_influences( gltf, json, &from ) );
     size_t all = ( (size_t)base + primitive->t.vertex_count ) * (size_t)deformation->influences;
     uint16_t* joints = realloc( deformation->joints, ( all + 1 ) * sizeof *joints );
     deformation->joints = joints != NULL ? joints : deformation->joints;
@@ -405,19 +399,17 @@ RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGlt
     size_t before = (size_t)base * (size_t)deformation->influences;
     memset( joints + before, 0, ( all - before ) * sizeof *joints );
     memset( weights + before, 0, ( all - before ) * sizeof *weights );
-    for ( uint32_t v = 0; result == RF_OK && v < primitive->t.vertex_count; ++v )
+    for ( uint32_t v = 0; v < primitive->t.vertex_count; ++v )
     {
         float joint[8] = { 0 }, weight[8] = { 0 };
-        for ( int i = 0; result == RF_OK && i < 2 && from.joints[i] >= 0; ++i )
+        for ( int i = 0; i < 2 && from.joints[i] >= 0; ++i )
         {
-            result = rf_gltf_read_floats( gltf, from.joints[i], primitive->sources[v], joint + 4 * i );
-            if ( result == RF_OK )
-                result = rf_gltf_read_floats( gltf, from.weights[i], primitive->sources[v], weight + 4 * i );
+            RF_TRY( rf_gltf_read_floats( gltf, from.joints[i], primitive->sources[v], joint + 4 * i ) );
+            RF_TRY( rf_gltf_read_floats( gltf, from.weights[i], primitive->sources[v], weight + 4 * i ) );
         }
-        if ( result == RF_OK )
-            result = keep_influences( gltf, where, base + v, joint, weight, deformation->influences, deformation );
+        RF_TRY( keep_influences( gltf, where, base + v, joint, weight, deformation->influences, deformation ) );
     }
-    return result;
+    return RF_OK;
 }
 
 bool rf_gltf_has_eight_joints( const json_t* primitive )

@@ -1,6 +1,7 @@
 // Errors with the place in the document, typed reads of its values, and which extensions are read.
 #include "gltf/gltf_document.h"
 
+#include "base/try.h"
 #include "image/decode.h"
 
 #include <math.h>
@@ -198,9 +199,7 @@ RfField rf_gltf_extras( const RfField* object )
 RfResult rf_gltf_copy_name( const RfField* object, const char* fallback, char** name )
 {
     const char* text = fallback;
-    RfResult result = rf_get_text( object, "name", &text );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_text( object, "name", &text ) );
     *name = strdup( text[0] != 0 ? text : fallback );
     return *name != NULL ? RF_OK : rf_field_no_memory( object );
 }

@@ -1,5 +1,6 @@
 // KHR_draco_mesh_compression: accessors of meshes that libdraco decodes; without the library, the uncompressed ones.
 #include "gltf/gltf_document.h"
+#include "base/try.h"
 #include "gltf/draco_mesh.h"
 
 #include <stdlib.h>
@@ -68,9 +69,7 @@ static RfResult open_mesh( const RfGltf* gltf, int view, RfGltfUnpackedView** ou
         return RF_OK;
     size_t length = 0;
     const uint8_t* bytes;
-    RfResult result = rf_gltf_whole_view( gltf, json.path, view, INT64_MAX, &bytes, &length );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_whole_view( gltf, json.path, view, INT64_MAX, &bytes, &length ) );
     uint64_t most_faces = LEAST_FACES + FACES_PER_BYTE * (uint64_t)length;
     most_faces = most_faces < MOST_FACES ? most_faces : MOST_FACES;
     RfDracoResult decoded = rf_draco_decode( bytes, length, most_faces, gltf->unpacked->room, &( *out )->mesh );
@@ -149,10 +148,10 @@ static RfResult find_packed( RfGltf* gltf, const char* where, const char* name, 
     const RfGltfAccessor* accessor = gltf->accessors + *index;
     RfGltfAccessor layout = { 0 };
     RfField self = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, declared );
-    RfResult result = rf_gltf_read_layout( gltf, &self, false, &layout );
-    if ( result != RF_OK || ( layout.component_type == accessor->component_type && layout.normalized == accessor->normalized &&
-                              layout.components == accessor->components ) )
-        return result;
+    RF_TRY( rf_gltf_read_layout( gltf, &self, false, &layout ) );
+    if ( ( layout.component_type == accessor->component_type && layout.normalized == accessor->normalized &&
+           layout.components == accessor->components ) )
+        return RF_OK;
     return rf_field_fail( &self, "is of the same compressed mesh as accessors[%d], but another type", accessor->declared );
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/json.h"
+#include "base/try.h"
 #include "scene/camera.h"
 
 #include <math.h>
@@ -52,9 +53,7 @@ static RfResult read_kind( const RfGltf* gltf, const RfField* json, RfPunctual* 
 {
     const char *type = "", *where = json->path;
     rf_gltf_require( json, "type", NULL );
-    RfResult result = rf_get_text( json, "type", &type );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_text( json, "type", &type ) );
     out->cos_inner = 1.0f;
     out->cos_outer = -1.0f;
     if ( strcmp( type, "point" ) == 0 )
@@ -93,16 +92,14 @@ static RfResult read_file( RfGltf* gltf, const RfField* field, bool beside, RfPr
     uint8_t* bytes = NULL;
     size_t size = 0;
     RfError error = { 0 };
-    RfResult result = rf_field_text( field, &name );
-    if ( result == RF_OK && beside )
+    RF_TRY( rf_field_text( field, &name ) );
+    if ( beside )
         path = rf_path_beside( field->file, name );
-    if ( result == RF_OK && beside && path == NULL )
+    if ( beside && path == NULL )
         return rf_gltf_no_memory( gltf, "profiles" );
-    if ( result == RF_OK && !beside )
-        result = rf_gltf_resolve_uri( gltf, field->path, name, &path );
-    if ( result != RF_OK )
-        return result;
-    result = rf_read_file( path, RF_PROFILE_BYTES, &bytes, &size, &error );
+    if ( !beside )
+        RF_TRY( rf_gltf_resolve_uri( gltf, field->path, name, &path ) );
+    RfResult result = rf_read_file( path, RF_PROFILE_BYTES, &bytes, &size, &error );
     if ( result == RF_OK )
         result = rf_read_ies( path, bytes, size, out, &error );
     if ( result == RF_OK )
@@ -123,13 +120,9 @@ static RfResult read_view( RfGltf* gltf, const RfField* field, RfProfile** out )
     rf_field_keys( field, s_keys );
     rf_field_require( field, "bufferView", "the number of a buffer view" );
     RfField view = rf_field_member( field, "bufferView" );
-    RfResult result = rf_field_whole( &view, 0.0, (double)gltf->counts[RF_GLTF_BUFFER_VIEWS] - 1.0, &number );
-    if ( result != RF_OK )
-        return result;
-    result = rf_gltf_whole_view( gltf, view.path, number, RF_PROFILE_BYTES, &bytes, &length );
-    if ( result != RF_OK )
-        return result;
-    result = rf_read_ies( rf_where( "bufferViews[%d]", number ).text, bytes, length, out, &error );
+    RF_TRY( rf_field_whole( &view, 0.0, (double)gltf->counts[RF_GLTF_BUFFER_VIEWS] - 1.0, &number ) );
+    RF_TRY( rf_gltf_whole_view( gltf, view.path, number, RF_PROFILE_BYTES, &bytes, &length ) );
+    RfResult result = rf_read_ies( rf_where( "bufferViews[%d]", number ).text, bytes, length, out, &error );
     return result == RF_OK ? RF_OK : rf_field_fail_as( field, result, &error );
 }
 
@@ -138,9 +131,7 @@ static RfResult read_numbers( const RfField* table, const char* key, const char*
 {
     RfField array = rf_field_member( table, key );
     rf_field_require( table, key, "an array of numbers" );
-    RfResult result = rf_field_array( &array, item, (size_t)least, (size_t)most );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_field_array( &array, item, (size_t)least, (size_t)most ) );
     *count = (int)json_array_size( array.json );
     *values = malloc( (size_t)*count * sizeof **values );
     if ( *values == NULL )
@@ -320,18 +311,14 @@ static RfResult read_light( RfGltf* gltf, const RfField* json, Source* source, R
         read_cone( json, source );
     rf_gltf_read_value( gltf, json, RF_CHANGED_COLOR, values );
     rf_gltf_read_value( gltf, json, RF_CHANGED_INTENSITY, values );
-    result = rf_gltf_read_value( gltf, json, RF_CHANGED_RANGE, values );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_read_value( gltf, json, RF_CHANGED_RANGE, values ) );
     RfLampValues most = *values;
     rf_gltf_find_changes( gltf, RF_OF_LAMP, source->index, values, &most, source->lamp.changes );
     if ( spot )
         check_cone( json, source );
     else
         source->lamp.changes[RF_CHANGED_INNER_CONE] = source->lamp.changes[RF_CHANGED_OUTER_CONE] = -1;
-    result = read_extras( gltf, json, source, out );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_extras( gltf, json, source, out ) );
     set_light( &most, out );
     // higher ones would overflow close to the light
     double factor = out->profile != NULL ? fmax( (double)out->profile->most, 1.0 ) : 1.0;
@@ -386,23 +373,19 @@ static RfResult load_node_light( RfGltf* gltf, const RfField* lights, int node, 
     if ( count == 0 )
         return rf_field_fail( extension, "the document's " EXTENSION " has no lights" );
     rf_gltf_require( extension, "light", NULL );
-    RfResult result = rf_get_integer( extension, "light", 0, count - 1, &index );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( extension, "light", 0, count - 1, &index ) );
     RfField json = rf_field_item( lights, (size_t)index );
     if ( !json_is_object( json.json ) )
         return rf_field_fail( &json, "must be an object" );
     RfPunctual* out = gltf->scene->punctuals + gltf->scene->punctual_count;
     Source source = { .lamp = { .changes = { -1, -1, -1, -1, -1 } }, .index = (int)index, .profile = profiles + index };
     gltf->scene->punctual_count += 1;
-    result = read_light( gltf, &json, &source, out );
-    if ( result == RF_OK )
-        result = read_group( gltf, &json, node, (int)index, out );
-    if ( result == RF_OK && ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
-        result = place_light( gltf, node, extension->path, out );
-    if ( result == RF_OK )
-        result = rf_gltf_copy_name( &json, gltf->scene->nodes[node].name, &out->name );
-    return result == RF_OK ? note_change( gltf, node, &source, out ) : result;
+    RF_TRY( read_light( gltf, &json, &source, out ) );
+    RF_TRY( read_group( gltf, &json, node, (int)index, out ) );
+    if ( ( gltf->freeze || !rf_gltf_varies( gltf, node ) ) )
+        RF_TRY( place_light( gltf, node, extension->path, out ) );
+    RF_TRY( rf_gltf_copy_name( &json, gltf->scene->nodes[node].name, &out->name ) );
+    return note_change( gltf, node, &source, out );
 }
 
 static RfResult load_lights( RfGltf* gltf, const RfField* lights, RfProfile** profiles )
@@ -434,14 +417,12 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
     RfField root = rf_gltf_root( gltf );
     RfField json = rf_gltf_field( gltf, "extensions." EXTENSION, rf_gltf_extension( &root, EXTENSION ).json );
     RfField lights = rf_get_array( &json, "lights" );
-    RfResult result = rf_json_result( &root );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_json_result( &root ) );
     size_t count = json_array_size( lights.json );
     RfProfile** profiles = calloc( count + 1, sizeof( RfProfile* ) );
     if ( profiles == NULL )
         return rf_gltf_no_memory( gltf, "lights" );
-    result = load_lights( gltf, &lights, profiles );
+    RfResult result = load_lights( gltf, &lights, profiles );
     for ( size_t i = 0; i < count; ++i )
         rf_release_profile( profiles[i] );
     free( profiles );

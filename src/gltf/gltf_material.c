@@ -12,6 +12,7 @@
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
 #include "gltf/gltf_material.h"
 
+#include "base/try.h"
 #include "scene/shared_json.h"
 #include "scene/surfaces.h"
 
@@ -528,27 +529,21 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     RfMovingMaterial moving = { .material = index, .values = default_values() };
     RfMaterialValues *values = &moving.values, most;
     int changes[RF_CHANGED_COUNT];
-    RfResult result = rf_gltf_open_material( gltf, index, &m );
-    if ( result == RF_OK )
-        result = read_values( gltf, &m, values, out );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_open_material( gltf, index, &m ) );
+    RF_TRY( read_values( gltf, &m, values, out ) );
     rf_gltf_notice_extensions( gltf, &m.json, "material", out->name );
     most = *values;
     rf_gltf_find_changes( gltf, RF_OF_MATERIAL, index, values, &most, changes );
     bool dense = false, reshapes = changes[RF_CHANGED_METALLIC] >= 0 || changes[RF_CHANGED_ROUGHNESS] >= 0;
-    result = apply_scatter( &m, values, &dense );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( apply_scatter( &m, values, &dense ) );
     apply_factors( values, reshapes, out );
     out->emission = rf_emission_of( &most );
     apply_glass( &m, values, reshapes, dense, out );
     apply_surface( gltf, &m, values, out );
     apply_clearcoat( gltf, &m, values, out );
-    result = read_own_model( &m, out );
-    if ( result == RF_OK )
-        result = rf_gltf_read_textured( gltf, &m, &moving, out );
-    return result == RF_OK ? rf_gltf_change_material( gltf, &moving, out ) : result;
+    RF_TRY( read_own_model( &m, out ) );
+    RF_TRY( rf_gltf_read_textured( gltf, &m, &moving, out ) );
+    return rf_gltf_change_material( gltf, &moving, out );
 }
 
 RfResult rf_gltf_load_materials( RfGltf* gltf )
@@ -559,10 +554,9 @@ RfResult rf_gltf_load_materials( RfGltf* gltf )
     if ( gltf->scene->materials == NULL )
         return rf_gltf_no_memory( gltf, "materials" );
     gltf->scene->material_count = (uint32_t)count;
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < count; ++i )
-        result = load_material( gltf, i, gltf->scene->materials + i );
-    return result;
+    for ( int i = 0; i < count; ++i )
+        RF_TRY( load_material( gltf, i, gltf->scene->materials + i ) );
+    return RF_OK;
 }
 
 RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index )

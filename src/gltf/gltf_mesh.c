@@ -1,6 +1,7 @@
 // Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/camera.h"
 #include "scene/placement.h"
@@ -34,8 +35,7 @@
 // Finds what stands still: the nodes of each use of a mesh, in the order of the scene.
 static RfResult find_nodes( RfGltf* gltf )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
+    for ( int i = 0; i < gltf->order_count; ++i )
     {
         int index = gltf->order[i];
         RfGltfNode* node = gltf->nodes + index;
@@ -43,9 +43,9 @@ static RfResult find_nodes( RfGltf* gltf )
         node->here = node->use;
         rf_gltf_notice_extensions( gltf, &json, "node", gltf->scene->nodes[index].name );
         if ( node->here >= 0 )
-            result = rf_gltf_set_apart( gltf, index );
+            RF_TRY( rf_gltf_set_apart( gltf, index ) );
     }
-    for ( int i = gltf->order_count - 1; result == RF_OK && i >= 0; --i )
+    for ( int i = gltf->order_count - 1; i >= 0; --i )
     {
         RfGltfNode* node = gltf->nodes + gltf->order[i];
         if ( node->here < 0 )
@@ -53,7 +53,7 @@ static RfResult find_nodes( RfGltf* gltf )
         node->next = gltf->uses[node->here].first;
         gltf->uses[node->here].first = gltf->order[i];
     }
-    return result;
+    return RF_OK;
 }
 
 // World matrices from the root down. Nodes whose keys are equal are placed at the first.
@@ -132,10 +132,9 @@ static RfResult visit_node( RfGltf* gltf, int node, const RfMat4* world, Visit* 
 // Visits all places of a mesh.
 static RfResult visit_places( RfGltf* gltf, const RfMat4* worlds, int use, Visit* visit, void* user )
 {
-    RfResult result = RF_OK;
-    for ( int node = gltf->uses[use].first; result == RF_OK && node >= 0; node = gltf->nodes[node].next )
-        result = visit_node( gltf, node, worlds + node, visit, user );
-    return result;
+    for ( int node = gltf->uses[use].first; node >= 0; node = gltf->nodes[node].next )
+        RF_TRY( visit_node( gltf, node, worlds + node, visit, user ) );
+    return RF_OK;
 }
 
 // A primitive that is baked into the triangles of the scene.

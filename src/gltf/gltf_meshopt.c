@@ -2,6 +2,7 @@
 #include "gltf/gltf_document.h"
 
 #include "base/float_traps.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -86,9 +87,7 @@ static RfResult read_packed( const RfGltf* gltf, const RfField* json, Packed* ou
     rf_get_integer( json, "byteStride", 2, 256, &stride );
     rf_get_integer( json, "count", 1, UINT32_MAX, &count );
     rf_get_choice( json, "mode", s_modes, &mode );
-    RfResult result = rf_get_choice( json, "filter", s_filters, &filter );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_choice( json, "filter", s_filters, &filter ) );
     out->count = (uint64_t)count;
     out->stride = (uint64_t)stride;
     out->mode = (Mode)mode;
@@ -184,17 +183,13 @@ static RfResult unpack( const RfGltf* gltf, const RfField* view, const RfField* 
 {
     Packed packed = { .name = name };
     int64_t length = 0;
-    RfResult result = read_packed( gltf, extension, &packed );
-    if ( result == RF_OK )
-        result = rf_get_integer( view, "byteLength", 1, INT64_MAX, &length );
+    RF_TRY( read_packed( gltf, extension, &packed ) );
+    RF_TRY( rf_get_integer( view, "byteLength", 1, INT64_MAX, &length ) );
     uint64_t bytes = packed.count * packed.stride;
-    if ( result == RF_OK && (uint64_t)length != bytes )
+    if ( (uint64_t)length != bytes )
         return rf_field_fail( view, "byteLength is %lld, but %llu elements of %llu bytes are compressed", (long long)length,
                               (unsigned long long)packed.count, (unsigned long long)packed.stride );
-    if ( result == RF_OK )
-        result = rf_gltf_take_room( gltf, extension->path, bytes );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_take_room( gltf, extension->path, bytes ) );
     uint8_t* decoded = malloc( bytes );
     if ( decoded == NULL )
         return rf_gltf_no_memory( gltf, extension->path );

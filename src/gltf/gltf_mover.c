@@ -2,6 +2,7 @@
 #include "gltf/gltf_material.h"
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/merge.h"
 #include "scene/placement.h"
@@ -235,9 +236,7 @@ static RfResult read_weights( const Builder* b, const Common* common, RfMover* m
 static RfResult add_mover( Builder* b, const Common* common, const RfMat4* local )
 {
     RfScene* scene = b->gltf->scene;
-    RfResult result = reserve_mover( b );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( reserve_mover( b ) );
     int index = b->movement->mover_count++;
     RfMover* mover = b->movement->movers + index;
     *mover = common->mover;
@@ -254,21 +253,20 @@ static RfResult add_mover( Builder* b, const Common* common, const RfMat4* local
 static RfResult add_instances( Builder* b, const Common* common )
 {
     RfGltfInstances instances;
-    RfResult result = rf_gltf_open_instances( b->gltf, common->node, &instances );
-    if ( result == RF_OK && common->mover.skin >= 0 && instances.translation + instances.rotation + instances.scale > -3 )
+    RF_TRY( rf_gltf_open_instances( b->gltf, common->node, &instances ) );
+    if ( common->mover.skin >= 0 && instances.translation + instances.rotation + instances.scale > -3 )
     {
         RfWhere where = rf_where( "nodes[%d]", common->node );
         return rf_gltf_fail( b->gltf, RF_ERROR_UNSUPPORTED, where.text,
                              "instances with a skin are not read: use one node for each" );
     }
-    for ( uint32_t i = 0; result == RF_OK && i < instances.count; ++i )
+    for ( uint32_t i = 0; i < instances.count; ++i )
     {
         RfMat4 local = { 0 };
-        result = rf_gltf_instance_matrix( b->gltf, &instances, i, &local );
-        if ( result == RF_OK )
-            result = add_mover( b, common, &local );
+        RF_TRY( rf_gltf_instance_matrix( b->gltf, &instances, i, &local ) );
+        RF_TRY( add_mover( b, common, &local ) );
     }
-    return result;
+    return RF_OK;
 }
 
 static RfResult check_joints( const Builder* b, const Common* common )
@@ -524,16 +522,12 @@ static RfResult place_all( Builder* b )
         return result;
     find_span( scene, b->movement );
     uint32_t before = scene->triangles.count;
-    result = settle_still( b );
-    if ( result == RF_OK )
-        result = drop_meshes( gltf );
-    if ( result == RF_OK )
-        result = rf_number_placements( scene, gltf->error );
-    if ( result == RF_OK )
-        result = widen_bounds( b, before );
-    if ( result == RF_OK )
-        rf_drop_empty_movement( scene );
-    return result;
+    RF_TRY( settle_still( b ) );
+    RF_TRY( drop_meshes( gltf ) );
+    RF_TRY( rf_number_placements( scene, gltf->error ) );
+    RF_TRY( widen_bounds( b, before ) );
+    rf_drop_empty_movement( scene );
+    return RF_OK;
 }
 
 RfResult rf_gltf_place_movers( RfGltf* gltf )

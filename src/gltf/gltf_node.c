@@ -1,6 +1,7 @@
 // Nodes: their transforms, their hierarchy, and instances at them.
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
 #include "scene/surfaces.h"
 
 #include <math.h>
@@ -22,9 +23,7 @@ static RfResult read_matrix( const RfField* json, RfNode* node )
     if ( rf_has_member( json, "translation" ) || rf_has_member( json, "rotation" ) || rf_has_member( json, "scale" ) )
         return rf_field_fail( json, "has both a matrix and translation, rotation or scale" );
     double* m = node->matrix.m;
-    RfResult result = rf_get_numbers( json, "matrix", rf_any_number(), 16, m );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_numbers( json, "matrix", rf_any_number(), 16, m ) );
     if ( fabs( m[3] ) > AFFINE_TOLERANCE || fabs( m[7] ) > AFFINE_TOLERANCE || fabs( m[11] ) > AFFINE_TOLERANCE ||
          fabs( m[15] - 1.0 ) > AFFINE_TOLERANCE )
         return rf_field_fail( json, "matrix has a last row other than 0 0 0 1" );
@@ -258,9 +257,7 @@ static RfResult order_scene( RfGltf* gltf, int index, int* depth )
 
 static RfResult order_nodes( RfGltf* gltf, int* depth )
 {
-    RfResult result = order_all( gltf, gltf->order, &gltf->order_count, depth );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( order_all( gltf, gltf->order, &gltf->order_count, depth ) );
     RfField root = rf_gltf_root( gltf );
     int scene = rf_gltf_get_index( gltf, &root, "scene", RF_GLTF_SCENES );
     if ( rf_json_result( &root ) != RF_OK )
@@ -310,15 +307,14 @@ static RfResult open_attribute( RfGltf* gltf, const RfField* attributes, const c
 {
     const RfGltfAccessor* accessor;
     *index = rf_gltf_get_index( gltf, attributes, key, RF_GLTF_ACCESSORS );
-    RfResult result =
-        *index >= 0 ? rf_gltf_open_accessor( gltf, *index, where, components, &accessor ) : rf_json_result( attributes );
-    if ( result != RF_OK || *index < 0 )
-        return result;
-    if ( result == RF_OK && *count != 0 && *count != accessor->count )
+    RF_TRY( *index >= 0 ? rf_gltf_open_accessor( gltf, *index, where, components, &accessor ) : rf_json_result( attributes ) );
+    if ( *index < 0 )
+        return RF_OK;
+    if ( *count != 0 && *count != accessor->count )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, the attribute before it %u", key, accessor->count,
                              *count );
     *count = accessor->count;
-    return result;
+    return RF_OK;
 }
 
 RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out )
@@ -355,9 +351,7 @@ RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* ins
     double t[3] = { 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
     read_doubles( gltf, instances->translation, element, 3, t );
     read_doubles( gltf, instances->rotation, element, 4, q );
-    RfResult result = read_doubles( gltf, instances->scale, element, 3, s );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_doubles( gltf, instances->scale, element, 3, s ) );
     double length = sqrt( q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3] );
     if ( !( length > 1e-3 ) )
     {

@@ -1,6 +1,7 @@
 // Primitives of meshes: triangles, only the vertices that they use, and tangents.
 #include "gltf/gltf_mesh.h"
 
+#include "base/try.h"
 #include "gltf/gltf_material.h"
 #include "scene/merge.h"
 
@@ -365,11 +366,10 @@ static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode
 {
     const char* where = primitive->path;
     const RfGltfAccessor* accessor;
-    RfResult result = open_indices( gltf, primitive, &mode, &accessor );
-    if ( result == RF_OK )
-        result = count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, &out->count );
-    if ( result != RF_OK || survey )
-        return result;
+    RF_TRY( open_indices( gltf, primitive, &mode, &accessor ) );
+    RF_TRY( count_triangles( gltf, where, mode, accessor != NULL ? accessor->count : vertex_count, &out->count ) );
+    if ( survey )
+        return RF_OK;
 
     out->indices = malloc( ( (size_t)out->count * 3 + 1 ) * sizeof *out->indices );
     if ( out->indices == NULL )
@@ -444,12 +444,10 @@ static RfResult open_attribute( RfGltf* gltf, const RfField* primitive, const ch
                                 int* index, uint32_t* count )
 {
     const RfGltfAccessor* accessor;
-    RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
-    if ( result != RF_OK || *index < 0 )
-        return result;
-    result = rf_gltf_open_accessor( gltf, *index, where, components, &accessor );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_find_attribute( gltf, primitive, name, index ) );
+    if ( *index < 0 )
+        return RF_OK;
+    RF_TRY( rf_gltf_open_accessor( gltf, *index, where, components, &accessor ) );
     if ( *count != 0 && *count != accessor->count )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count, *count );
     *count = accessor->count;
@@ -511,9 +509,7 @@ static RfResult reserve_remap( RfGltf* gltf, const char* where, uint32_t count )
 // accessors. Stamps avoid clearing the table for each primitive.
 static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count, RfGltfPrimitive* out, uint32_t** sources )
 {
-    RfResult result = reserve_remap( gltf, where, vertex_count );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( reserve_remap( gltf, where, vertex_count ) );
     size_t corners = (size_t)out->t.count * 3;
     size_t most = corners < vertex_count ? corners : vertex_count;
     *sources = malloc( ( most + 1 ) * sizeof **sources );
@@ -608,9 +604,7 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
     const char* where = primitive->path;
     *out = ( RfGltfPrimitive ){ 0 };
     int64_t mode = LIST;
-    RfResult result = rf_get_integer( primitive, "mode", 0, 6, &mode );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( primitive, "mode", 0, 6, &mode ) );
     if ( mode < LIST )
     {
         rf_gltf_notice( gltf, "points and lines are not drawn: %s is left out", where );
@@ -618,16 +612,14 @@ RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool su
     }
     Attributes attributes;
     uint32_t vertex_count;
-    result = open_attributes( gltf, primitive, &attributes, &vertex_count );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( open_attributes( gltf, primitive, &attributes, &vertex_count ) );
     if ( attributes.accessors[RF_POSITION] < 0 )
     {
         rf_gltf_notice( gltf, "%s has no POSITION: it is left out", where );
         return RF_OK;
     }
 
-    result = find_material( gltf, primitive, &out->material );
+    RfResult result = find_material( gltf, primitive, &out->material );
     if ( result == RF_OK )
         result = read_triangles( gltf, primitive, (int)mode, vertex_count, survey, &out->t );
     if ( result == RF_OK && out->t.count > 0 && !survey )

@@ -3,6 +3,7 @@
 #include "gltf/gltf_material.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
 #include "scene/animation.h"
@@ -140,17 +141,15 @@ static RfResult read_camera_path( RfGltf* gltf, const RfField* node, RfCamera* c
         return rf_json_result( node );
     rf_field_keys( &field, s_keys );
     RfField path = rf_field_member( &field, "path" ), lens = rf_field_member( &field, "lens" );
-    RfResult result = read_projection( &field, path.json != NULL, camera );
-    if ( result == RF_OK && path.json != NULL && lens.json != NULL )
+    RF_TRY( read_projection( &field, path.json != NULL, camera ) );
+    if ( path.json != NULL && lens.json != NULL )
         return rf_field_fail( &lens, "not together with path: that has a lens of its own" );
-    if ( result == RF_OK && lens.json != NULL )
+    if ( lens.json != NULL )
         return read_lens( gltf, &field, camera );
-    if ( result != RF_OK || path.json == NULL )
-        return result;
+    if ( path.json == NULL )
+        return RF_OK;
     RfCamera read;
-    result = rf_read_camera( &path, camera->name, &read );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_camera( &path, camera->name, &read ) );
     camera->track = read.track;
     camera->animated = read.animated;
     camera->start = read.start;
@@ -361,10 +360,8 @@ static RfResult read_warnings( RfGltf* gltf, const RfField* ours )
 static RfResult load_map( RfGltf* gltf, const RfField* object, RfEnvironmentText* text )
 {
     char* path;
-    RfResult result = rf_gltf_resolve_uri( gltf, object->path, text->map, &path );
-    if ( result != RF_OK )
-        return result;
-    result = rf_load_environment( object, path, text );
+    RF_TRY( rf_gltf_resolve_uri( gltf, object->path, text->map, &path ) );
+    RfResult result = rf_load_environment( object, path, text );
     free( path );
     if ( result == RF_OK )
         gltf->scene->content_hash = rf_hash_environment( gltf->scene->content_hash, &text->environment );
@@ -411,12 +408,11 @@ RfResult rf_gltf_load_extras( RfGltf* gltf )
     if ( field.json == NULL )
         return rf_json_result( &root );
     rf_field_keys( &field, s_keys );
-    RfResult result = read_shot( gltf, &field );
-    if ( result == RF_OK )
-        result = read_warnings( gltf, &field );
+    RF_TRY( read_shot( gltf, &field ) );
+    RF_TRY( read_warnings( gltf, &field ) );
     RfField object = rf_field_member( &field, "environment" );
-    if ( result != RF_OK || object.json == NULL || gltf->options->no_environment )
-        return result;
+    if ( object.json == NULL || gltf->options->no_environment )
+        return RF_OK;
     return load_environment( gltf, &object );
 }
 
@@ -529,11 +525,8 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
         return rf_gltf_no_memory( gltf, "cameras" );
     RfCamera* camera = scene->cameras + scene->camera_count;
     memset( camera, 0, sizeof *camera );
-    RfResult result = read_camera( gltf, index, camera );
-    if ( result == RF_OK )
-        result = base_name( gltf, node, index, &base );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_camera( gltf, index, camera ) );
+    RF_TRY( base_name( gltf, node, index, &base ) );
     camera->name = make_unique( names, base );
     if ( camera->name == NULL )
         return rf_gltf_no_memory( gltf, "cameras" );
@@ -545,11 +538,9 @@ static RfResult load_camera( RfGltf* gltf, json_t* names, int node, int index )
         camera->start = gltf->nodes[node].span.start;
         camera->end = gltf->nodes[node].span.end;
     }
-    result = load_zoom( gltf, index, camera );
-    if ( result == RF_OK && camera->animated )
-        result = rf_find_step_cuts( gltf->scene, camera, gltf->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( load_zoom( gltf, index, camera ) );
+    if ( camera->animated )
+        RF_TRY( rf_find_step_cuts( gltf->scene, camera, gltf->error ) );
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_NODES, node );
     return read_camera_path( gltf, &json, camera );
 }

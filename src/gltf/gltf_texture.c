@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/system.h"
+#include "base/try.h"
 #include "image/decode.h"
 #include "scene/texture.h"
 #include "scene/movement.h"
@@ -360,9 +361,7 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
 static RfResult read_wrap( const RfField* json, const char* key, RfWrap* out )
 {
     int64_t value = REPEAT;
-    RfResult result = rf_get_integer( json, key, 0, 65535, &value );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_get_integer( json, key, 0, 65535, &value ) );
     if ( value != REPEAT && value != MIRROR && value != CLAMP )
         return rf_field_fail( json, "%s is %lld, it must be 10497, 33648 or 33071", key, (long long)value );
     *out = value == REPEAT ? RF_WRAP_REPEAT : value == MIRROR ? RF_WRAP_MIRROR : RF_WRAP_CLAMP;
@@ -406,9 +405,7 @@ static RfResult read_texture( RfGltf* gltf, int index, const RfField* film, bool
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_TEXTURES_LIST, index );
     int image = gltf->counts[RF_GLTF_IMAGES] + gltf->film_count,
         sampler = rf_gltf_get_index( gltf, &json, "sampler", RF_GLTF_SAMPLERS );
-    RfResult result = film->json != NULL ? rf_json_result( &json ) : find_image( gltf, &json, &image );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( film->json != NULL ? rf_json_result( &json ) : find_image( gltf, &json, &image ) );
     if ( film->json == NULL )
         rf_gltf_notice_extensions( gltf, &json, "texture", json.path );
     else if ( !rf_gltf_grow( &gltf->films, gltf->film_count, sizeof *gltf->films ) )
@@ -657,13 +654,9 @@ RfResult rf_gltf_read_textured( RfGltf* gltf, const RfGltfMaterial* m, RfMovingM
     if ( out->textured == NULL )
         return rf_field_no_memory( &m->json );
     RfTextured* textured = out->textured;
-    RfResult result = read_slots( gltf, m, moving->transform, textured );
-    if ( result == RF_OK )
-        result = check_thickness( gltf, m );
-    if ( result == RF_OK )
-        result = read_alpha( m, values->alpha_cutoff, textured );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_slots( gltf, m, moving->transform, textured ) );
+    RF_TRY( check_thickness( gltf, m ) );
+    RF_TRY( read_alpha( m, values->alpha_cutoff, textured ) );
     undo_mirror( textured, out );
     textured->model = find_model( m, out );
     // our own models vary their own diffuse reflectance

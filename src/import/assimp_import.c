@@ -7,6 +7,7 @@
 #include "import/assimp_import.h"
 
 #include "base/file.h"
+#include "base/try.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -521,13 +522,9 @@ static void import_lights( RfImport* import )
 static RfResult take_all( RfImport* import, RfError* error )
 {
     leave_fbx_axes( import );
-    RfResult result = rf_import_materials( import, error );
-    if ( result == RF_OK )
-        result = import_meshes( import, error );
-    if ( result == RF_OK )
-        result = import_nodes( import, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_import_materials( import, error ) );
+    RF_TRY( import_meshes( import, error ) );
+    RF_TRY( import_nodes( import, error ) );
     import_cameras( import );
     import_lights( import );
     if ( import->scene->mNumAnimations > 0 )
@@ -556,6 +553,7 @@ static RfResult import_by_assimp( const char* path, RfModel* model, RfLog* log, 
 
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
+#include "base/try.h"
 #include "convert/glb_write.h"
 #include "convert/model.h"
 #include "import/assimp_import.h"

@@ -1,6 +1,7 @@
 // A camera of a scene at a moment, as an RfEye: its place, its lens, its shutter. Projections: scene/projection.h.
 #include "scene/camera.h"
 
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
@@ -318,11 +319,9 @@ static RfResult track_eye( const RfCameraSampling* sampling, double time, RfEye*
 {
     const RfCamera* self = sampling->camera;
     RfView view;
-    RfResult result = rf_sample_camera_track( self->track, time, &view, error );
-    if ( result == RF_OK && !in_range( view.position ) )
+    RF_TRY( rf_sample_camera_track( self->track, time, &view, error ) );
+    if ( !in_range( view.position ) )
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
-    if ( result != RF_OK )
-        return result;
     *eye = rf_make_eye_inline( in_scene( sampling->scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
                                has_fov( view.projection ) ? view.fov : 1.0, sampling->width, sampling->height );
     project_otherwise( eye, view.projection, view.fov );
@@ -689,13 +688,12 @@ static RfResult add_lens( const Moment* m, RfOptics* optics, double offset, RfEy
                         "camera '%.60s': a %s camera has no depth of field here: leave the aperture out", m->camera->name,
                         g_rf_projection_names[eye->projection] );
     if ( node != NULL && !( focus > 0.0 ) )
-        result = distance_of_node( m, eye, node, &focus );
-    if ( result == RF_OK && !( focus > 0.0 ) )
+        RF_TRY( distance_of_node( m, eye, node, &focus ) );
+    if ( !( focus > 0.0 ) )
         return rf_fail( m->error, RF_ERROR_SCENE, "camera '%.60s': its lens has an aperture but no focus: give it a distance",
                         m->camera->name );
-    if ( result == RF_OK )
-        rf_set_lens( eye, radius, focus, optics->blades, optics->rotation );
-    return result;
+    rf_set_lens( eye, radius, focus, optics->blades, optics->rotation );
+    return RF_OK;
 }
 
 static int64_t shot_number( const RfCameraSampling* sampling, double frame )
@@ -742,15 +740,13 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
     Moment m = { &shot, &shot.sampling, &shot.camera, frame, error };
     const RfLens* asked = sampling->lens;
     RfOptics optics = optics_of( &shot.camera );
-    RfResult result = asked != NULL ? check_lens( asked, error ) : RF_OK;
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( asked != NULL ? check_lens( asked, error ) : RF_OK );
     if ( asked != NULL && asked->has_shutter )
         memcpy( optics.shutter, asked->shutter, sizeof optics.shutter );
     bool blurs = rf_has_shutter( &optics ) && !rf_is_left_out( sampling->scene, RF_EFFECT_MOTION_BLUR );
     double middle = blurs ? 0.5 * ( optics.shutter[0] + optics.shutter[1] ) : 0.0;
     RfEye open, close;
-    result = eye_at( &m, middle, eye );
+    RfResult result = eye_at( &m, middle, eye );
     if ( result == RF_OK )
         result = add_lens( &m, &optics, middle, eye );
     const RfCameraTrack* track = sampling->camera->track;
@@ -760,10 +756,8 @@ RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfE
         open_shutter( sampling, frame, frame + optics.shutter[0] / unit, frame + optics.shutter[1] / unit, eye );
     if ( result != RF_OK || !blurs )
         return result;
-    result = eye_at( &m, optics.shutter[0], &open );
-    if ( result == RF_OK )
-        result = eye_at( &m, optics.shutter[1], &close );
-    if ( result == RF_OK )
-        rf_set_shutter( eye, &open, &close );
-    return result;
+    RF_TRY( eye_at( &m, optics.shutter[0], &open ) );
+    RF_TRY( eye_at( &m, optics.shutter[1], &close ) );
+    rf_set_shutter( eye, &open, &close );
+    return RF_OK;
 }

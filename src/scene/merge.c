@@ -2,6 +2,7 @@
 #include "scene/merge.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "scene/texture.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"
@@ -173,9 +174,7 @@ static RfResult move_triangles( const Merge* m )
          (uint64_t)to->vertex_count + from->vertex_count > 3 * (uint64_t)MOST_TRIANGLES )
         return rf_fail( m->error, RF_ERROR_UNSUPPORTED, "%s: more than %u triangles in all: split the scene", m->scene->path,
                         MOST_TRIANGLES );
-    RfResult result = move_node_runs( m );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( move_node_runs( m ) );
     if ( from->count > 0 && !rf_append_triangles( to, from, m->materials ) )
         return no_memory( m );
     rf_destroy_triangles( from );

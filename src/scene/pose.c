@@ -4,6 +4,7 @@
 #include "base/fault.h"
 #include "base/file.h"
 #include "base/layout.h"
+#include "base/try.h"
 #include "scene/animation.h"
 #include "scene/deformation.h"
 #include "scene/texture.h"
@@ -34,20 +35,19 @@ static size_t image_scratch( const RfScene* scene )
 RfResult rf_pose_images( const RfScene* scene, double time, RfLayout* layout, RfScene* posed, RfError* error )
 {
     const RfMovement* movement = scene->movement;
-    RfResult result = RF_OK;
     if ( movement->sequence_count == 0 )
         return RF_OK;
     RF_PLACE( layout, posed->textures, scene->texture_count );
     if ( layout->memory != NULL )
         memcpy( posed->textures, scene->textures, (size_t)scene->texture_count * sizeof *posed->textures );
-    for ( int i = 0; result == RF_OK && i < movement->sequence_count; ++i )
+    for ( int i = 0; i < movement->sequence_count; ++i )
     {
         const RfImageSequence* s = movement->sequences + i;
         void* image = rf_take( layout, s->bytes, 1 );
         if ( layout->memory != NULL )
-            result = rf_place_sequence_image( s, rf_sequence_number( s, time ), image, posed->textures + s->texture, error );
+            RF_TRY( rf_place_sequence_image( s, rf_sequence_number( s, time ), image, posed->textures + s->texture, error ) );
     }
-    return result;
+    return RF_OK;
 }
 
 // Extends a hash by which images they are.
@@ -228,12 +228,10 @@ static RfResult pose_changes( const RfScene* scene, const NodesAt* nodes, RfLayo
         RF_PLACE( layout, posed->materials, scene->material_count );
     if ( layout->memory == NULL )
         return RF_OK;
-    RfResult result = pose_lamps( scene, nodes, posed, error );
-    if ( result == RF_OK )
-        pose_materials( scene, nodes->time, textured, posed );
-    if ( result == RF_OK )
-        pose_sky( scene, nodes->time, posed );
-    return result;
+    RF_TRY( pose_lamps( scene, nodes, posed, error ) );
+    pose_materials( scene, nodes->time, textured, posed );
+    pose_sky( scene, nodes->time, posed );
+    return RF_OK;
 }
 
 // Extends a hash by all of it, without memory.

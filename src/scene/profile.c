@@ -1,6 +1,8 @@
 // Profiles of lamps: read from IES files, and evaluated.
 #include "scene/profile.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -46,15 +48,14 @@ static RfResult check_table( const char* path, const RfProfileTable* t, RfError*
     if ( t->rows < 2 || t->columns < 1 )
         return rf_fail( error, RF_ERROR_FORMAT, "%s: it has %d vertical and %d horizontal angles: must be 2 and 1 at least", path,
                         t->rows, t->columns );
-    RfResult result = check_angles( path, "vertical", t->rows, t->vertical, 180.0, error );
-    if ( result == RF_OK )
-        result = check_angles( path, "horizontal", t->columns, t->horizontal, 360.0, error );
-    for ( int i = 0; result == RF_OK && i < t->rows * t->columns; ++i )
+    RF_TRY( check_angles( path, "vertical", t->rows, t->vertical, 180.0, error ) );
+    RF_TRY( check_angles( path, "horizontal", t->columns, t->horizontal, 360.0, error ) );
+    for ( int i = 0; i < t->rows * t->columns; ++i )
     {
         if ( !( t->value[i] >= 0.0 && t->value[i] <= 1e12 ) )
             return rf_fail( error, RF_ERROR_FORMAT, "%s: its intensity %d is %g: must be 0 to 1e12", path, i, t->value[i] );
     }
-    return result;
+    return RF_OK;
 }
 
 // The columns of a whole turn: which of the table each is, and where.
@@ -310,10 +311,9 @@ static RfResult read_count( Reader* r, const char* what, int most, int* count )
 static RfResult skip( Reader* r, const char* what, int count )
 {
     double value;
-    RfResult result = RF_OK;
-    for ( int i = 0; i < count && result == RF_OK; ++i )
-        result = read_number( r, what, &value );
-    return result;
+    for ( int i = 0; i < count; ++i )
+        RF_TRY( read_number( r, what, &value ) );
+    return RF_OK;
 }
 
 // The rest of the line that begins with "TILT=": keywords come before it.
@@ -341,10 +341,9 @@ static RfResult find_tilt( Reader* r, bool* included )
 static RfResult skip_tilt( Reader* r )
 {
     int count = 0;
-    RfResult result = skip( r, "the lamp's geometry", 1 );
-    if ( result == RF_OK )
-        result = read_count( r, "the number of tilts", RF_PROFILE_ANGLES, &count );
-    return result == RF_OK ? skip( r, "a tilt", 2 * count ) : result;
+    RF_TRY( skip( r, "the lamp's geometry", 1 ) );
+    RF_TRY( read_count( r, "the number of tilts", RF_PROFILE_ANGLES, &count ) );
+    return skip( r, "a tilt", 2 * count );
 }
 
 // The line of ten numbers and that of three. `factor`: of all intensities.
@@ -378,14 +377,12 @@ static RfResult read_head( Reader* r, RfProfileTable* t, double* factor )
 
 static RfResult read_numbers( Reader* r, const char* what, double factor, int count, double* out )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; i < count && result == RF_OK; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        result = read_number( r, what, out + i );
-        if ( result == RF_OK )
-            out[i] *= factor;
+        RF_TRY( read_number( r, what, out + i ) );
+        out[i] *= factor;
     }
-    return result;
+    return RF_OK;
 }
 
 static RfResult read_table( Reader* r, RfProfileTable* t, double factor )
@@ -395,10 +392,9 @@ static RfResult read_table( Reader* r, RfProfileTable* t, double factor )
     t->value = malloc( (size_t)( t->rows * t->columns ) * sizeof *t->value );
     if ( t->vertical == NULL || t->horizontal == NULL || t->value == NULL )
         return rf_fail( r->error, RF_ERROR_MEMORY, "%s: out of memory for its %d intensities", r->path, t->rows * t->columns );
-    RfResult result = read_numbers( r, "a vertical angle", 1.0, t->rows, t->vertical );
-    if ( result == RF_OK )
-        result = read_numbers( r, "a horizontal angle", 1.0, t->columns, t->horizontal );
-    return result == RF_OK ? read_numbers( r, "an intensity", factor, t->rows * t->columns, t->value ) : result;
+    RF_TRY( read_numbers( r, "a vertical angle", 1.0, t->rows, t->vertical ) );
+    RF_TRY( read_numbers( r, "a horizontal angle", 1.0, t->columns, t->horizontal ) );
+    return read_numbers( r, "an intensity", factor, t->rows * t->columns, t->value );
 }
 
 RfResult rf_read_ies( const char* path, const void* bytes, size_t size, RfProfile** out, RfError* error )

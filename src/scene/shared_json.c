@@ -2,6 +2,7 @@
 #include "scene/shared_json.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "image/decode.h"
 #include "reframe/image.h"
 #include "scene/animation.h"
@@ -195,14 +196,13 @@ RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, i
     if ( keys.json == NULL )
         return rf_json_result( object );
     rf_field_array( &keys, "keys", 1, MAX_KEYS );
-    RfResult result = rf_read_interpolation( object, &linear );
-    for ( int i = 0; result == RF_OK && i < count; ++i )
-        result = open_channel( &keys, kinds + i, channels + i );
-    if ( result == RF_OK )
-        result = read_all( &keys, fps, kinds, count, channels, in_frames );
-    for ( int i = 0; result == RF_OK && !linear && i < count; ++i )
-        result = smooth( &keys, channels + i );
-    return result == RF_OK ? refuse_twice( object, kinds, count, channels ) : result;
+    RF_TRY( rf_read_interpolation( object, &linear ) );
+    for ( int i = 0; i < count; ++i )
+        RF_TRY( open_channel( &keys, kinds + i, channels + i ) );
+    RF_TRY( read_all( &keys, fps, kinds, count, channels, in_frames ) );
+    for ( int i = 0; !linear && i < count; ++i )
+        RF_TRY( smooth( &keys, channels + i ) );
+    return refuse_twice( object, kinds, count, channels );
 }
 
 // Brighter radiance would overflow when floats are squared.
@@ -273,9 +273,7 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
         rf_read_keyed( &field, kinds + i, values[i] );
     }
     const double *radiance = values[RADIANCE], strength = values[STRENGTH][0];
-    RfResult result = rf_json_result( object );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_json_result( object ) );
     text->environment = ( RfEnvironment ){
         .radiance =
             rf_vec3( (float)( radiance[0] * strength ), (float)( radiance[1] * strength ), (float)( radiance[2] * strength ) ),

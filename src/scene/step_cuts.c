@@ -1,5 +1,6 @@
 // Cuts of cameras that move with their nodes.
 #include "scene/animation.h"
+#include "base/try.h"
 #include "scene/camera.h"
 #include "scene/movement.h"
 
@@ -50,10 +51,9 @@ static void sort_cuts( RfCamera* camera )
 static RfResult add_cuts( const RfChannel* c, RfCamera* camera, RfError* error )
 {
     bool steps = c->interpolation == RF_STEP && c->curve == NULL && c->clock.speed == 0.0;
-    RfResult result = RF_OK;
-    for ( int k = 1; result == RF_OK && steps && k < c->count; ++k )
-        result = is_cut( c, k ) ? add_cut( c->times[k], camera, error ) : RF_OK;
-    return result;
+    for ( int k = 1; steps && k < c->count; ++k )
+        RF_TRY( is_cut( c, k ) ? add_cut( c->times[k], camera, error ) : RF_OK );
+    return RF_OK;
 }
 
 RfResult rf_find_step_cuts( const RfScene* scene, RfCamera* camera, RfError* error )

@@ -2,6 +2,7 @@
 #include "scene/texture.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "reframe/image.h"
 
 #include <limits.h>
@@ -149,10 +150,8 @@ RfResult rf_load_sequence_image( const RfImageSequence* s, int number, RfTexture
     size_t size;
     RfPixels pixels = { 0 };
     *out = ( RfTexture ){ 0 };
-    RfResult result = read_image( s, number, name, &bytes, &size, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_decode_image( bytes, size, name, &pixels, error );
+    RF_TRY( read_image( s, number, name, &bytes, &size, error ) );
+    RfResult result = rf_decode_image( bytes, size, name, &pixels, error );
     free( bytes );
     if ( result == RF_OK )
         result = rf_make_texture( name, &pixels, s->srgb, out, error );

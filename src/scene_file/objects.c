@@ -1,6 +1,7 @@
 // Reads `objects` of a scene file (places, keys, how an animation is played), and does to the scene what they say.
 #include "scene_file/objects.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "scene/camera_path/camera_track_read.h"
@@ -110,16 +111,13 @@ static RfResult read_object( const RfField* field, RfFps fps, RfObject* object, 
         return rf_field_fail( &node, "not together with file: leave one of the two out" );
     if ( !places && node.json == NULL )
         return rf_field_fail( field, "has neither node, one of the scene, nor file, a .glb or .gltf to place" );
-    RfResult result = rf_field_keys( field, places ? s_of_file : s_of_node );
-    if ( result == RF_OK )
-        result = places ? read_file( field, object ) : rf_field_text( &node, &object->node );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_field_keys( field, places ? s_of_file : s_of_node ) );
+    RF_TRY( places ? read_file( field, object ) : rf_field_text( &node, &object->node ) );
     read_keys( field, fps, object, in_frames );
-    result = read_still( field, object );
-    if ( result == RF_OK && !places && object->given == 0 )
+    RF_TRY( read_still( field, object ) );
+    if ( !places && object->given == 0 )
         return rf_field_fail( field, "changes nothing: give it keys, translation, rotation, scale or visible" );
-    return result;
+    return RF_OK;
 }
 
 RfResult rf_read_objects( const RfField* list, RfFps fps, RfObjects* objects )
@@ -243,13 +241,12 @@ static RfResult check_effect( const RfObject* object, const json_t* node, bool m
 static RfResult check_node( const RfObject* object, const json_t* node )
 {
     const unsigned all = 1u << RF_TRANSLATION | 1u << RF_ROTATION | 1u << RF_SCALE;
-    RfResult result = check_effect( object, node, ( object->given & all ) != 0 );
-    if ( result == RF_OK && ( object->given & all ) != 0 && ( object->given & all ) != all &&
-         json_object_get( node, "matrix" ) != NULL )
+    RF_TRY( check_effect( object, node, ( object->given & all ) != 0 ) );
+    if ( ( object->given & all ) != 0 && ( object->given & all ) != all && json_object_get( node, "matrix" ) != NULL )
         return rf_field_fail( &object->field,
                               "'%.60s' has a matrix in the file: give it translation, rotation and scale, all three",
                               object->node );
-    return result;
+    return RF_OK;
 }
 
 // Appends what an object sets of a node, with the node's number.
@@ -400,11 +397,10 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
 
 RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log )
 {
-    RfResult result = RF_OK;
-    for ( int i = 0; result == RF_OK && i < objects->count; ++i )
+    for ( int i = 0; i < objects->count; ++i )
     {
         if ( objects->list[i].file != NULL )
-            result = place_file( objects->list + i, fps, frozen_at, scene, is_repeated( objects, i ) ? NULL : log );
+            RF_TRY( place_file( objects->list + i, fps, frozen_at, scene, is_repeated( objects, i ) ? NULL : log ) );
     }
-    return result;
+    return RF_OK;
 }

@@ -2,6 +2,7 @@
 #include "scene_file/scene_file.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf.h"
 #include "gltf/gltf_document.h"
@@ -168,9 +169,7 @@ static RfResult read_environment( const RfField* field, RfFps fps, RfEnvironment
 static RfResult tag_environment( const RfField* field, RfScene* scene )
 {
     const char* name = NULL;
-    RfResult result = rf_read_light_group( field, &name );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_light_group( field, &name ) );
     if ( scene->environment.map == NULL && rf_max_component( scene->environment.radiance ) <= 0.0f &&
          !scene->environment.changes )
         return rf_field_fail( field, "the scene has none: give radiance, map or both" );
@@ -271,9 +270,7 @@ static RfResult read_name( const RfField* item, const RfScene* scene, RfEditShot
     RfField field = rf_field_member( item, "name" );
     RfError fault = { 0 };
     rf_field_require( item, "name", "the name of a camera in the glTF" );
-    RfResult result = rf_field_text( &field, &name );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_field_text( &field, &name ) );
     if ( rf_find_camera( scene, name, &shot->camera, &fault ) != RF_OK )
         return rf_field_fail( &field, "%.700s", fault.text );
     const RfCameraTrack* track = scene->cameras[shot->camera].track;
@@ -376,9 +373,7 @@ static RfResult load_camera( const RfField* root, RfScene* scene )
     const char* name = NULL;
     if ( !json_is_string( field.json ) )
         return rf_field_must_be( &field, "the name of a camera, a camera-path file (.json), a camera path or a list of cameras" );
-    RfResult result = rf_field_text( &field, &name );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_field_text( &field, &name ) );
     return rf_ends_with( name, ".json" ) ? load_path_file( &field, name, scene ) : choose_camera( &field, name, scene );
 }
 
@@ -435,10 +430,8 @@ static RfResult load( const RfSceneFile* file, const RfSceneOptions* options, Rf
 
 RfResult rf_load_scene_file( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
-    RfResult result = load( file, options, scene, log, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_take_out_twins( scene, log, error );
+    RF_TRY( load( file, options, scene, log, error ) );
+    RfResult result = rf_take_out_twins( scene, log, error );
     if ( result != RF_OK )
         rf_destroy_scene( scene );
     return result;
@@ -453,10 +446,8 @@ RfResult rf_load_scene_with( const char* path, const RfSceneOptions* options, Rf
 {
     RfSceneFile file;
     memset( scene, 0, sizeof *scene );
-    RfResult result = rf_open_scene_file( path, &file, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_load_scene_file( &file, options, scene, log, error );
+    RF_TRY( rf_open_scene_file( path, &file, error ) );
+    RfResult result = rf_load_scene_file( &file, options, scene, log, error );
     rf_close_scene_file( &file );
     return result;
 }

@@ -1,6 +1,7 @@
 // Reads and validates camera-path files (anim/camera-path.schema.json).
 #include "scene/camera_path/camera_track_read.h"
 
+#include "base/try.h"
 #include "math/quat.h"
 #include "scene/projection.h"
 
@@ -367,9 +368,7 @@ static RfResult read_walk( const RfField* top, RfCameraTrack* track )
                                           "speed",    "duration",  "frames",        "lens",       NULL };
     static const char* const s_walk_span[] = { "duration", "frames", "speed", NULL };
     rf_field_keys( top, s_keys );
-    RfResult result = read_waypoints( top, track );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( read_waypoints( top, track ) );
     read_walk_look( top, track );
     read_lens( top, false, track );
     return read_span( top, s_walk_span, track );
@@ -622,11 +621,9 @@ RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* 
 {
     *track = ( RfCameraTrack ){ 0 };
     RfJsonDocument document;
-    RfResult result = rf_open_json( path, &document, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_json( path, &document, error ) );
     RfField root = rf_root_field( &document, error );
-    result = rf_read_camera_track( &root, track );
+    RfResult result = rf_read_camera_track( &root, track );
     track->hash = result == RF_OK ? document.hash : 0;
     rf_close_json( &document );
     return result;

@@ -1,6 +1,7 @@
 // Interpolates keys by centripetal Catmull-Rom splines, rotations as quaternions; waypoints by arc length.
 #include "scene/camera_path/curve.h"
 
+#include "base/try.h"
 #include "math/spline.h"
 
 #include <math.h>
@@ -322,9 +323,7 @@ static RfResult make_curve( RfWaypoints* waypoints, bool linear, int count, cons
 RfResult rf_create_waypoints( bool linear, int count, const double* points, RfWaypoints* waypoints, RfError* error )
 {
     *waypoints = ( RfWaypoints ){ 0 };
-    RfResult result = make_curve( waypoints, linear, count, points, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( make_curve( waypoints, linear, count, points, error ) );
     waypoints->piece_count = ( count - 1 ) * PIECES;
     waypoints->lengths = malloc( ( (size_t)waypoints->piece_count + 1 ) * sizeof *waypoints->lengths );
     if ( waypoints->lengths == NULL )

@@ -2,6 +2,7 @@
 #include "scene/camera_path/optics.h"
 
 #include "base/json.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,9 +35,7 @@ static RfResult read_focus( const RfField* field, RfOptics* optics )
     if ( !json_is_string( field->json ) )
         return rf_field_number( field, rf_above( 0.0, RF_MAX_FOCUS ), &optics->focus );
     const char* name = "";
-    RfResult result = rf_field_text( field, &name );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_field_text( field, &name ) );
     optics->focus_node = strdup( name );
     return optics->focus_node != NULL ? RF_OK : rf_field_no_memory( field );
 }
