@@ -152,15 +152,15 @@ static RfResult read_vertices( RfPlyReader* r, const RfPlyElement* element )
                         MAX_VERTICES );
     if ( element->count == 0 )
         return RF_OK;
-    RfResult result = bind_vertices( r, element, slots );
+    RF_TRY( bind_vertices( r, element, slots ) );
     r->mesh->vertex_count = (uint32_t)element->count;
-    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
+    for ( uint64_t i = 0; i < element->count; ++i )
     {
-        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
-            result = slots[k].values != NULL ? store( r, element->properties + k, slots + k, i )
-                                             : rf_ply_skip( &r->file, element->properties + k );
+        for ( int k = 0; k < element->property_count; ++k )
+            RF_TRY( slots[k].values != NULL ? store( r, element->properties + k, slots + k, i )
+                                            : rf_ply_skip( &r->file, element->properties + k ) );
     }
-    return result;
+    return RF_OK;
 }
 
 // Post-processes the vertices after the last element, and warns.
@@ -369,22 +369,20 @@ static bool is_vertex( const RfPlyReader* r, double value )
 static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uint64_t face )
 {
     uint32_t count = 0;
-    RfResult result = rf_ply_read_count( &r->file, property, &count );
-    if ( result == RF_OK && count > MAX_CORNERS )
+    RF_TRY( rf_ply_read_count( &r->file, property, &count ) );
+    if ( count > MAX_CORNERS )
         return rf_ply_fail( &r->file, "face %llu has %u corners, more than %u", (unsigned long long)face, count, MAX_CORNERS );
-    if ( result == RF_OK && !reserve_corners( r, count ) )
+    if ( !reserve_corners( r, count ) )
         return rf_ply_no_memory( r );
-    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+    for ( uint32_t i = 0; i < count; ++i )
     {
         double value = 0.0;
-        result = rf_ply_read_value( &r->file, property->type, &value );
-        if ( result == RF_OK && !is_vertex( r, value ) )
+        RF_TRY( rf_ply_read_value( &r->file, property->type, &value ) );
+        if ( !is_vertex( r, value ) )
             return rf_ply_fail( &r->file, "corner %u of face %llu is vertex %.9g of %u", i, (unsigned long long)face, value,
                                 r->mesh->vertex_count );
         r->corners[i] = (uint32_t)value;
     }
-    if ( result != RF_OK )
-        return result;
     if ( count < 3 )
     {
         r->dropped += 1;

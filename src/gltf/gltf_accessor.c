@@ -309,13 +309,11 @@ static RfResult open_accessor( RfGltf* gltf, int index, bool matrix, const RfGlt
     if ( self->open )
         return RF_OK;
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, index );
-    RfResult result = rf_gltf_read_layout( gltf, &json, matrix, self );
-    if ( result == RF_OK )
-        result = read_view( gltf, &json, self );
-    if ( result == RF_OK )
-        result = read_sparse( gltf, &json, self );
-    self->open = result == RF_OK;
-    return result;
+    RF_TRY( rf_gltf_read_layout( gltf, &json, matrix, self ) );
+    RF_TRY( read_view( gltf, &json, self ) );
+    RF_TRY( read_sparse( gltf, &json, self ) );
+    self->open = true;
+    return RF_OK;
 }
 
 RfResult rf_gltf_open_accessor( RfGltf* gltf, int index, const char* user, int components, const RfGltfAccessor** accessor )

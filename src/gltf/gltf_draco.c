@@ -99,18 +99,15 @@ static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* 
 {
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_ACCESSORS, declared );
     RfGltfAccessor layout = { 0 };
-    RfResult result = rf_gltf_read_layout( gltf, &json, false, &layout );
-    if ( result == RF_OK && rf_has_member( &json, "sparse" ) )
+    RF_TRY( rf_gltf_read_layout( gltf, &json, false, &layout ) );
+    if ( rf_has_member( &json, "sparse" ) )
         return rf_field_fail( &json, "is sparse, and that of a compressed mesh" );
     uint32_t points = rf_draco_points( mesh->mesh );
     int components = rf_draco_components( mesh->mesh, from );
-    if ( result == RF_OK && components != layout.components )
+    if ( components != layout.components )
         return rf_field_fail( &json, "has elements of %d numbers, its compressed mesh of %d", layout.components, components );
     uint64_t stride = (uint64_t)components * (uint64_t)rf_gltf_component_size( layout.component_type ), bytes = stride * points;
-    if ( result == RF_OK )
-        result = rf_gltf_take_room( gltf, json.path, bytes );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_gltf_take_room( gltf, json.path, bytes ) );
     if ( points != layout.count )
         rf_gltf_notice( gltf, "%s has a count of %u, its compressed mesh %u vertices, which are taken", json.path, layout.count,
                         points );

@@ -443,16 +443,14 @@ static RfResult read_texture_info( RfGltf* gltf, const RfField* info, const RfFi
     if ( film->json == NULL )
         rf_gltf_require( info, "index", NULL );
     int index = rf_gltf_get_index( gltf, info, "index", RF_GLTF_TEXTURES_LIST );
-    RfResult result = rf_get_integer( info, "texCoord", 0, INT32_MAX, &set );
-    if ( result == RF_OK )
-        result = read_texture( gltf, index, film, srgb, out );
-    if ( result == RF_OK )
-        result = read_transform( gltf, info, &set, transform, out );
-    if ( result == RF_OK && set > 1 )
+    RF_TRY( rf_get_integer( info, "texCoord", 0, INT32_MAX, &set ) );
+    RF_TRY( read_texture( gltf, index, film, srgb, out ) );
+    RF_TRY( read_transform( gltf, info, &set, transform, out ) );
+    if ( set > 1 )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, info->path,
                              "texCoord is %lld, only 0 and 1 are supported: bake it to one of these", (long long)set );
     out->uv_set = (int)set;
-    return result;
+    return RF_OK;
 }
 
 // What makes a material vary over its surface: textures, vertex colours and alpha.
@@ -611,16 +609,15 @@ static RfTexturedModel find_model( const RfGltfMaterial* m, const RfMaterial* ou
 // Do its textures show other images at other times?
 static RfResult find_sequences( RfGltf* gltf, RfMaterial* out )
 {
-    RfResult result = RF_OK;
-    for ( int slot = 0; result == RF_OK && slot < RF_TEXTURE_SLOT_COUNT; ++slot )
+    for ( int slot = 0; slot < RF_TEXTURE_SLOT_COUNT; ++slot )
     {
         bool plays = false;
         if ( out->textured->refs[slot].texture >= 0 )
-            result = does_play( gltf, out->textured->refs[slot].texture / 2, &plays );
+            RF_TRY( does_play( gltf, out->textured->refs[slot].texture / 2, &plays ) );
         out->changes = out->changes || plays;
         gltf->plays = gltf->plays || plays;
     }
-    return result;
+    return RF_OK;
 }
 
 // A metal that is a perfect mirror by its factors is not one if a texture sets its roughness.

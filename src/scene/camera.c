@@ -482,12 +482,11 @@ static void find_shot( const RfCameraSampling* sampling, double frame, ShotPath*
 
 static RfResult eye_of_shot( const ShotPath* shot, double frame, RfEye* eye, RfError* error )
 {
-    RfResult result = check_film( &shot->sampling, eye, error );
-    if ( result == RF_OK )
-        result = eye_at_time( &shot->sampling, fmin( fmax( camera_time( &shot->sampling, frame ), shot->begin ), shot->end ), eye,
-                              error );
+    RF_TRY( check_film( &shot->sampling, eye, error ) );
+    RF_TRY( eye_at_time( &shot->sampling, fmin( fmax( camera_time( &shot->sampling, frame ), shot->begin ), shot->end ), eye,
+                         error ) );
     eye->shot = shot->number;
-    return result;
+    return RF_OK;
 }
 
 RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )

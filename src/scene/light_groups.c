@@ -2,6 +2,7 @@
 #include "scene/light_groups.h"
 
 #include "base/json.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "scene/placement.h"
 
@@ -265,8 +266,7 @@ static RfResult group_name( const Grouping* g, const char* name )
 
 static RfResult group_names( const Grouping* g, const char* asked )
 {
-    RfResult result = RF_OK;
-    for ( const char* at = asked; result == RF_OK && at != NULL; )
+    for ( const char* at = asked; at != NULL; )
     {
         size_t length = strcspn( at, "," );
         char name[RF_LIGHT_GROUP_NAME_SIZE];
@@ -275,10 +275,10 @@ static RfResult group_names( const Grouping* g, const char* asked )
             return rf_fail( g->error, RF_ERROR_USAGE,
                             "light group '%s' cannot be asked for: it is there wherever some light is in no other",
                             RF_LIGHT_GROUP_REST );
-        result = group_name( g, name );
+        RF_TRY( group_name( g, name ) );
         at = at[length] == ',' ? at + length + 1 : NULL;
     }
-    return result;
+    return RF_OK;
 }
 
 // What is in no group is in the rest, if it shines; where no group shines the rest is there alone.

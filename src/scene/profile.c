@@ -350,29 +350,21 @@ static RfResult skip_tilt( Reader* r )
 static RfResult read_head( Reader* r, RfProfileTable* t, double* factor )
 {
     double type = 0.0, ballast = 1.0, lamps = 1.0;
-    RfResult result = skip( r, "the number of lamps or their lumens", 2 );
-    if ( result == RF_OK )
-        result = read_number( r, "the multiplier", factor );
-    if ( result == RF_OK )
-        result = read_count( r, "the number of vertical angles", RF_PROFILE_ANGLES, &t->rows );
-    if ( result == RF_OK )
-        result = read_count( r, "the number of horizontal angles", RF_PROFILE_ANGLES, &t->columns );
-    if ( result == RF_OK )
-        result = read_number( r, "the type of photometry", &type );
-    if ( result == RF_OK && type != 1.0 )
+    RF_TRY( skip( r, "the number of lamps or their lumens", 2 ) );
+    RF_TRY( read_number( r, "the multiplier", factor ) );
+    RF_TRY( read_count( r, "the number of vertical angles", RF_PROFILE_ANGLES, &t->rows ) );
+    RF_TRY( read_count( r, "the number of horizontal angles", RF_PROFILE_ANGLES, &t->columns ) );
+    RF_TRY( read_number( r, "the type of photometry", &type ) );
+    if ( type != 1.0 )
         return fail( r, RF_ERROR_UNSUPPORTED, "only photometry of type C (1) is read: convert the file" );
-    if ( result == RF_OK )
-        result = skip( r, "the size of the luminaire", 4 );
-    if ( result == RF_OK )
-        result = read_number( r, "the ballast factor", &ballast );
-    if ( result == RF_OK )
-        result = read_number( r, "the ballast-lamp factor", &lamps );
-    if ( result == RF_OK )
-        result = skip( r, "the watts", 1 );
+    RF_TRY( skip( r, "the size of the luminaire", 4 ) );
+    RF_TRY( read_number( r, "the ballast factor", &ballast ) );
+    RF_TRY( read_number( r, "the ballast-lamp factor", &lamps ) );
+    RF_TRY( skip( r, "the watts", 1 ) );
     *factor *= ballast * lamps;
-    if ( result == RF_OK && t->rows * t->columns > RF_PROFILE_VALUES )
+    if ( t->rows * t->columns > RF_PROFILE_VALUES )
         return fail( r, RF_ERROR_UNSUPPORTED, "it has more than a million intensities" );
-    return result;
+    return RF_OK;
 }
 
 static RfResult read_numbers( Reader* r, const char* what, double factor, int count, double* out )

@@ -125,22 +125,21 @@ RfResult rf_read_objects( const RfField* list, RfFps fps, RfObjects* objects )
     *objects = ( RfObjects ){ 0 };
     if ( list->json == NULL )
         return RF_OK;
-    RfResult result = rf_field_array( list, "objects", 0, MAX_OBJECTS );
+    RF_TRY( rf_field_array( list, "objects", 0, MAX_OBJECTS ) );
     size_t count = json_array_size( list->json );
-    if ( result == RF_OK )
-        objects->list = calloc( count + 1, sizeof *objects->list );
-    if ( result == RF_OK && objects->list == NULL )
+    objects->list = calloc( count + 1, sizeof *objects->list );
+    if ( objects->list == NULL )
         return rf_field_no_memory( list );
-    for ( size_t i = 0; result == RF_OK && i < count; ++i )
+    for ( size_t i = 0; i < count; ++i )
     {
         bool in_frames;
         RfObject* object = objects->list + objects->count++;
         object->field = rf_field_item( list, i );
         object->field.notes = true;
-        result = read_object( &object->field, fps, object, &in_frames );
+        RF_TRY( read_object( &object->field, fps, object, &in_frames ) );
         objects->in_frames = objects->in_frames || in_frames;
     }
-    return result;
+    return RF_OK;
 }
 
 void rf_destroy_objects( RfObjects* objects )

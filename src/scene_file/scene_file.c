@@ -293,12 +293,12 @@ static RfResult read_begin( const RfField* item, int index, RfEdit* edit )
     edit->in_frames = index == 1 ? frame.json != NULL : edit->in_frames;
     if ( edit->in_frames != ( frame.json != NULL ) )
         return rf_field_fail( item, "give all cameras a time, or all a frame" );
-    RfResult result = edit->in_frames ? rf_field_number( &frame, rf_range( 2.0, RF_MAX_TRACK_FRAMES ), &shot->from )
-                                      : rf_field_number( &time, rf_range( 0.0, RF_MAX_TRACK_SECONDS ), &shot->from );
+    RF_TRY( edit->in_frames ? rf_field_number( &frame, rf_range( 2.0, RF_MAX_TRACK_FRAMES ), &shot->from )
+                            : rf_field_number( &time, rf_range( 0.0, RF_MAX_TRACK_SECONDS ), &shot->from ) );
     shot->from -= edit->in_frames ? 1.0 : 0.0; // frame 1 is at 0
-    if ( result == RF_OK && index > 1 && !( shot->from > shot[-1].from ) )
+    if ( index > 1 && !( shot->from > shot[-1].from ) )
         return rf_field_fail( edit->in_frames ? &frame : &time, "is not later than that of the camera before it" );
-    return result;
+    return RF_OK;
 }
 
 static RfResult read_shot( const RfField* item, int index, const RfScene* scene, RfEdit* edit )

@@ -174,17 +174,15 @@ static RfResult read_span( const RfField* top, const char* const* names, RfCamer
     RfField field = rf_field_member( top, given );
     double value = 0.0;
     int frames = 1;
-    RfResult result = name_clock( &field, track );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( name_clock( &field, track ) );
     if ( strcmp( given, "speed" ) == 0 )
     {
-        result = rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value );
+        RF_TRY( rf_field_number( &field, rf_above( 0.0, MAX_COORDINATE ), &value ) );
         track->end = value > 0.0 ? track->walk.length / value : 0.0;
-        if ( result == RF_OK && !( track->end <= RF_MAX_TRACK_SECONDS ) )
+        if ( !( track->end <= RF_MAX_TRACK_SECONDS ) )
             return rf_field_fail( &field, "%g m at %g m/s take longer than %g s", track->walk.length, value,
                                   RF_MAX_TRACK_SECONDS );
-        return result;
+        return RF_OK;
     }
     track->in_frames = strcmp( given, "frames" ) == 0;
     if ( !track->in_frames )
