@@ -6,8 +6,7 @@
 #include "base/system.h"
 #include "base/try.h"
 #include "base/words.h"
-#include "convert/glb_write.h"
-#include "convert/ply_read.h"
+#include "convert/model.h"
 #include "image/atomic_file.h"
 
 #include <errno.h>

@@ -4,9 +4,10 @@
 #ifndef REFRAME_CONVERT_MODEL_H
 #define REFRAME_CONVERT_MODEL_H
 
-#include "reframe/error.h"
+#include "image/atomic_file.h"
 #include "math/mat4.h"
 #include "reframe/convert.h"
+#include "reframe/error.h"
 
 // Triangles of one material.
 typedef struct RfModelMesh
@@ -109,5 +110,23 @@ RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfErr
 
 // Counts the parts of a model.
 RfModelCounts rf_count_model( const RfModel* model );
+
+// Writes the file atomically. An existing file is replaced if `overwrite` is set, else
+// the call fails with RF_ERROR_IO. A model that glTF cannot hold (indices out of range,
+// coordinates that are not finite, more than 4 GiB) fails with RF_ERROR_FORMAT or
+// RF_ERROR_UNSUPPORTED; the message names the part.
+RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, RfError* error );
+
+// Appends the .glb to an open file, which the caller commits or discards.
+RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error );
+
+// Reads one mesh at one node, with the default material. Vertex properties: x y z,
+// nx ny nz, s t (or u v, texture_u texture_v), red green blue alpha (uchar and ushort
+// are sRGB, float and double linear). Faces: vertex_indices (or vertex_index), polygons
+// are triangulated. Tristrips: the same list, -1 separates strips. Other properties and
+// elements are skipped; nothing may follow the last element. Fails with RF_ERROR_FORMAT
+// (giving the line or the byte), RF_ERROR_UNSUPPORTED, RF_ERROR_MEMORY or an error of
+// reading the file, and leaves the model empty.
+RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* error );
 
 #endif

@@ -1,5 +1,5 @@
 // Builds a mesh from PLY: polygons are triangulated by ear clipping, strips are unrolled.
-#include "convert/ply_read.h"
+#include "convert/model.h"
 
 #include "base/file.h"
 #include "base/try.h"

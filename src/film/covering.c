@@ -2,7 +2,7 @@
 #include "film/covering.h"
 
 #include "film/cryptomatte.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 #include "trace/trace.h"
 
 RfSurfaceKinds rf_surface_kinds( const RfRenderSettings* s )

@@ -2,7 +2,7 @@
 #include "film/cryptomatte.h"
 
 #include "base/words.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 #include "trace/trace.h"
 
 #include <stdio.h>

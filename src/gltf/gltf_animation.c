@@ -3,7 +3,7 @@
 #include "gltf/gltf_material.h"
 
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/camera_path/curve.h"
 
 #include <limits.h>

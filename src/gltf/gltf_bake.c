@@ -1,5 +1,4 @@
-// Bakes primitives into lists of triangles: into the world by the matrix of their node, in double, rounded once; or in their own
-// space, for what moves.
+// Bakes primitives into lists of triangles; what deforms them: morph targets, with their weights where nothing animates them, and skins.
 #include "gltf/gltf_mesh.h"
 
 #include "base/try.h"
@@ -9,6 +8,419 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// Vertices of all targets, 4 GiB of deltas: targets may share accessors, so a small file could request any amount.
+#define MAX_TARGET_VERTICES ( (uint64_t)1 << 28 )
+
+#define NO_ACCESSOR ( -1 )
+
+RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count )
+{
+    RfField json = rf_gltf_item_field( gltf, RF_GLTF_MESHES, mesh ), primitives = rf_get_array( &json, "primitives" );
+    size_t all = 0;
+    *count = 0;
+    for ( size_t i = 0; i < json_array_size( primitives.json ); ++i )
+    {
+        RfField self = rf_field_item( &primitives, i );
+        size_t own = json_array_size( rf_get_array( &self, "targets" ).json );
+        if ( i > 0 && own != all )
+            return rf_field_fail( &self, "has %zu targets, the primitives before it have %zu", own, all );
+        all = own;
+    }
+    *count = (int)all;
+    return rf_json_result( &json );
+}
+
+RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count )
+{
+    int mesh = gltf->nodes[node].mesh;
+    *count = 0;
+    RfResult result = mesh >= 0 ? rf_gltf_mesh_targets( gltf, mesh, count ) : RF_OK;
+    if ( result == RF_OK && *count == 0 )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "animates the weights of nodes[%d], which has no morph targets",
+                             node );
+    return result;
+}
+
+RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int count, double* weights )
+{
+    RfField of_node = rf_gltf_item_field( gltf, RF_GLTF_NODES, node ), of_mesh = rf_gltf_item_field( gltf, RF_GLTF_MESHES, mesh );
+    bool own = rf_has_member( &of_node, "weights" );
+    for ( int i = 0; i < count; ++i )
+        weights[i] = 0.0;
+    return rf_get_numbers( own ? &of_node : &of_mesh, "weights", rf_any_number(), count, weights );
+}
+
+// Appends `more` triples to those of `before` vertices; NULL: zeros. An attribute that no primitive has stays NULL.
+static bool append( float** all, size_t before, size_t more, const float* values )
+{
+    if ( *all == NULL && values == NULL )
+        return true;
+    bool fresh = *all == NULL;
+    float* grown = realloc( *all, ( before + more + 1 ) * 3 * sizeof *grown );
+    if ( grown == NULL )
+        return false;
+    *all = grown;
+    if ( fresh )
+        memset( grown, 0, before * 3 * sizeof *grown );
+    if ( values != NULL )
+        memcpy( grown + 3 * before, values, more * 3 * sizeof *grown );
+    else
+        memset( grown + 3 * before, 0, more * 3 * sizeof *grown );
+    return true;
+}
+
+// The deltas of one target in one primitive: accessors, and the values of the vertices that they change.
+typedef struct Deltas
+{
+    int accessor[3]; // POSITION, NORMAL, TANGENT
+    uint32_t count;
+    uint32_t* vertices;
+    float* values[3];
+} Deltas;
+
+static void free_deltas( Deltas* deltas )
+{
+    free( deltas->vertices );
+    for ( int k = 0; k < 3; ++k )
+        free( deltas->values[k] );
+}
+
+static RfResult open_delta( RfGltf* gltf, const RfField* target, const char* name, uint32_t count, int* index )
+{
+    *index = rf_gltf_get_index( gltf, target, name, RF_GLTF_ACCESSORS );
+    if ( *index < 0 )
+        return rf_json_result( target );
+    const RfGltfAccessor* accessor;
+    RfResult result = rf_gltf_open_accessor( gltf, *index, target->path, 3, &accessor );
+    if ( result == RF_OK && accessor->count != count )
+        return rf_field_fail( target, "%s has %u elements, the primitive has %u", name, accessor->count, count );
+    if ( result == RF_OK && accessor->data == NULL && accessor->sparse_count == 0 )
+        *index = NO_ACCESSOR; // zeros
+    return result;
+}
+
+// Colours and texture coordinates may change as well; what begins with _ is of applications.
+static void notice_left_out( RfGltf* gltf, const RfField* target )
+{
+    const char* name;
+    const json_t* value;
+    json_object_foreach( (json_t*)target->json, name, value )
+    {
+        bool read = strcmp( name, "POSITION" ) == 0 || strcmp( name, "NORMAL" ) == 0 || strcmp( name, "TANGENT" ) == 0;
+        if ( !read && name[0] != '_' )
+            rf_gltf_notice( gltf, "%s changes %.40s, which stays as it is", target->path, name );
+    }
+}
+
+static RfResult open_target( RfGltf* gltf, const RfField* target, const RfField* owner, const RfGltfPrimitive* primitive,
+                             int accessors[3] )
+{
+    static const char* const s_names[] = { "POSITION", "NORMAL", "TANGENT" };
+    const json_t* attributes = json_object_get( owner->json, "attributes" );
+    int base = NO_ACCESSOR;
+    if ( !json_is_object( target->json ) )
+        return rf_field_fail( target, "must be an object" );
+    notice_left_out( gltf, target );
+    RfResult result = rf_gltf_find_attribute( gltf, owner, "POSITION", &base );
+    for ( int k = 0; result == RF_OK && k < 3; ++k )
+        result = open_delta( gltf, target, s_names[k], gltf->accessors[base].count, accessors + k );
+    // normals of triangles follow them; tangents that are made here belong to the shape at rest
+    if ( primitive->flat || json_object_get( attributes, "NORMAL" ) == NULL )
+        accessors[1] = NO_ACCESSOR;
+    if ( primitive->t.tangents == NULL || json_object_get( attributes, "TANGENT" ) == NULL )
+        accessors[2] = NO_ACCESSOR;
+    return result;
+}
+
+static RfResult collect( const RfGltf* gltf, const char* where, const RfGltfPrimitive* primitive, uint32_t base, Deltas* deltas )
+{
+    size_t room = (size_t)primitive->t.vertex_count + 1;
+    deltas->vertices = malloc( room * sizeof *deltas->vertices );
+    bool fits = deltas->vertices != NULL;
+    for ( int k = 0; k < 3; ++k )
+    {
+        if ( deltas->accessor[k] >= 0 )
+            deltas->values[k] = malloc( room * 3 * sizeof *deltas->values[k] );
+        fits = fits && ( deltas->accessor[k] < 0 || deltas->values[k] != NULL );
+    }
+    if ( !fits )
+        return rf_gltf_no_memory( gltf, where );
+    for ( uint32_t v = 0; v < primitive->t.vertex_count; ++v )
+    {
+        bool changed = false;
+        for ( int k = 0; k < 3; ++k )
+        {
+            if ( deltas->accessor[k] < 0 )
+                continue;
+            float* value = deltas->values[k] + 3 * (size_t)deltas->count;
+            RfResult result = rf_gltf_read_floats( gltf, deltas->accessor[k], primitive->sources[v], value );
+            if ( result != RF_OK )
+                return result;
+            changed = changed || value[0] != 0.0f || value[1] != 0.0f || value[2] != 0.0f;
+        }
+        if ( changed )
+            deltas->vertices[deltas->count++] = base + v;
+    }
+    return RF_OK;
+}
+
+static RfResult add_target( RfGltf* gltf, const char* where, const RfGltfPrimitive* primitive, uint32_t base, Deltas* deltas,
+                            RfMorphTarget* target )
+{
+    if ( deltas->accessor[0] < 0 && deltas->accessor[1] < 0 && deltas->accessor[2] < 0 )
+        return RF_OK;
+    gltf->target_vertices += primitive->t.vertex_count;
+    if ( gltf->target_vertices > MAX_TARGET_VERTICES )
+        return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu vertices in all morph targets: split the scene",
+                             (unsigned long long)MAX_TARGET_VERTICES );
+    RfResult result = collect( gltf, where, primitive, base, deltas );
+    if ( result != RF_OK || deltas->count == 0 )
+        return result;
+    size_t before = target->count, more = deltas->count;
+    uint32_t* grown = realloc( target->vertices, ( before + more ) * sizeof *grown );
+    if ( grown == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    target->vertices = grown;
+    memcpy( grown + before, deltas->vertices, more * sizeof *grown );
+    if ( !append( &target->positions, before, more, deltas->values[0] ) ||
+         !append( &target->normals, before, more, deltas->values[1] ) ||
+         !append( &target->tangents, before, more, deltas->values[2] ) )
+        return rf_gltf_no_memory( gltf, where );
+    target->count += deltas->count;
+    return RF_OK;
+}
+
+// Adds the targets of a primitive whose vertices begin at `base` of the mesh.
+static RfResult read_targets( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                              RfDeformation* deformation )
+{
+    RfField targets = rf_get_array( json, "targets" );
+    RfResult result = rf_json_result( json );
+    for ( int i = 0; result == RF_OK && i < deformation->target_count; ++i )
+    {
+        RfField self = rf_field_item( &targets, (size_t)i );
+        Deltas deltas = { .accessor = { NO_ACCESSOR, NO_ACCESSOR, NO_ACCESSOR } };
+        result = open_target( gltf, &self, json, primitive, deltas.accessor );
+        if ( result == RF_OK )
+            result = add_target( gltf, self.path, primitive, base, &deltas, deformation->targets + i );
+        free_deltas( &deltas );
+    }
+    return result;
+}
+
+// Skins, and which joints each vertex follows.
+
+#define MAX_JOINTS 65536
+
+// Exporters write weights as bytes: their sum may miss 1 by so much before it is worth a warning.
+#define WEIGHT_TOLERANCE 0.05f
+
+// Of the largest: less moves nothing, and denormal numbers count as 0 later.
+#define LEAST_WEIGHT 1e-9f
+
+// Exporters write the last row of a matrix with rounding errors.
+#define AFFINE_TOLERANCE 1e-5f
+
+static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* skin )
+{
+    const char* where = json->path;
+    RfResult result = rf_gltf_require( json, "joints", NULL );
+    const json_t* joints = rf_get_array( json, "joints" ).json;
+    if ( result != RF_OK || joints == NULL )
+        return rf_json_result( json );
+    size_t count = json_array_size( joints );
+    if ( count == 0 || count > MAX_JOINTS )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "joints must be 1 to %d nodes, got %zu", MAX_JOINTS, count );
+    skin->joints = malloc( count * sizeof *skin->joints );
+    skin->inverse_binds = malloc( count * sizeof *skin->inverse_binds );
+    if ( skin->joints == NULL || skin->inverse_binds == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    skin->joint_count = (int)count;
+    for ( size_t i = 0; result == RF_OK && i < count; ++i )
+    {
+        result = rf_gltf_read_node_index( gltf, joints, i, where, "joints", skin->joints + i );
+        skin->inverse_binds[i] = rf_mat4_identity();
+    }
+    return result;
+}
+
+static RfResult read_inverse_bind( const RfGltf* gltf, const char* where, int index, uint32_t element, RfMat4* out )
+{
+    float m[16];
+    RF_TRY( rf_gltf_read_floats( gltf, index, element, m ) );
+    if ( fabsf( m[3] ) > AFFINE_TOLERANCE || fabsf( m[7] ) > AFFINE_TOLERANCE || fabsf( m[11] ) > AFFINE_TOLERANCE ||
+         fabsf( m[15] - 1.0f ) > AFFINE_TOLERANCE )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices[%u] has a last row other than 0 0 0 1", element );
+    for ( int i = 0; i < 16; ++i )
+        out->m[i] = (double)m[i];
+    out->m[3] = out->m[7] = out->m[11] = 0.0;
+    out->m[15] = 1.0;
+    return RF_OK;
+}
+
+// Without them they are the identity.
+static RfResult read_inverse_binds( RfGltf* gltf, const RfField* json, RfSkin* skin )
+{
+    const char* where = json->path;
+    int index = rf_gltf_get_index( gltf, json, "inverseBindMatrices", RF_GLTF_ACCESSORS );
+    if ( index < 0 )
+        return rf_json_result( json );
+    const RfGltfAccessor* accessor;
+    RF_TRY( rf_gltf_open_accessor( gltf, index, "skins", 16, &accessor ) );
+    if ( accessor->count < (uint32_t)skin->joint_count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices has %u elements for %d joints", accessor->count,
+                             skin->joint_count );
+    for ( int i = 0; i < skin->joint_count; ++i )
+        RF_TRY( read_inverse_bind( gltf, where, index, (uint32_t)i, skin->inverse_binds + i ) );
+    return RF_OK;
+}
+
+RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
+{
+    int count = gltf->counts[RF_GLTF_SKINS_LIST];
+    movement->skins = calloc( (size_t)count + 1, sizeof *movement->skins );
+    if ( movement->skins == NULL )
+        return rf_gltf_no_memory( gltf, "skins" );
+    movement->skin_count = count;
+    for ( int i = 0; i < count; ++i )
+    {
+        RfField json = rf_gltf_item_field( gltf, RF_GLTF_SKINS_LIST, i );
+        RF_TRY( read_joints( gltf, &json, movement->skins + i ) );
+        RF_TRY( read_inverse_binds( gltf, &json, movement->skins + i ) );
+    }
+    return RF_OK;
+}
+
+// JOINTS_0 and WEIGHTS_0, JOINTS_1 and WEIGHTS_1: accessors, or −1.
+typedef struct Influences
+{
+    int joints[2], weights[2];
+} Influences;
+
+static RfResult open_influence( RfGltf* gltf, const RfField* primitive, const char* where, const char* name, bool joints,
+                                int* index )
+{
+    int base = -1;
+    RfResult result = rf_gltf_find_attribute( gltf, primitive, name, index );
+    if ( result == RF_OK )
+        result = rf_gltf_find_attribute( gltf, primitive, "POSITION", &base );
+    if ( result != RF_OK || *index < 0 )
+        return result;
+    const RfGltfAccessor* accessor;
+    result = rf_gltf_open_accessor( gltf, *index, where, 4, &accessor );
+    if ( result != RF_OK )
+        return result;
+    bool whole = accessor->component_type == 5121 || accessor->component_type == 5123, real = accessor->component_type == 5126;
+    if ( joints && ( !whole || accessor->normalized ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be unsigned bytes or shorts", name );
+    if ( !joints && !real && !( whole && accessor->normalized ) )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s must be floats or normalized unsigned bytes or shorts", name );
+    if ( accessor->count != gltf->accessors[base].count )
+        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "%s has %u elements, POSITION has %u", name, accessor->count,
+                             gltf->accessors[base].count );
+    return RF_OK;
+}
+
+static RfResult open_influences( RfGltf* gltf, const RfField* json, Influences* out )
+{
+    static const char* const s_names[][2] = { { "JOINTS_0", "WEIGHTS_0" }, { "JOINTS_1", "WEIGHTS_1" } };
+    RfField attributes = rf_get_object( json, "attributes" );
+    for ( int i = 0; i < 2; ++i )
+    {
+        RfResult result = open_influence( gltf, json, attributes.path, s_names[i][0], true, out->joints + i );
+        if ( result == RF_OK )
+            result = open_influence( gltf, json, attributes.path, s_names[i][1], false, out->weights + i );
+        if ( result != RF_OK )
+            return result;
+        if ( ( out->joints[i] < 0 ) != ( out->weights[i] < 0 ) )
+            return rf_field_fail( &attributes, "must have %s and %s, or neither", s_names[i][0], s_names[i][1] );
+    }
+    if ( out->joints[0] < 0 )
+        return rf_field_fail( &attributes, "has no JOINTS_0, but a node has its mesh with a skin" );
+    if ( rf_has_member( &attributes, "JOINTS_2" ) )
+        rf_gltf_notice( gltf, "%s has JOINTS_2: each vertex follows the first eight of its joints", attributes.path );
+    return RF_OK;
+}
+
+// Keeps the joints with a weight, which then sum to 1; `count` of them are read.
+static RfResult keep_influences( RfGltf* gltf, const char* where, uint32_t vertex, const float* joints, const float* weights,
+                                 int count, RfDeformation* deformation )
+{
+    const size_t at = (size_t)vertex * (size_t)deformation->influences;
+    uint16_t* joint = deformation->joints + at;
+    float* weight = deformation->weights + at;
+    double sum = 0.0;
+    float largest = 0.0f;
+    int kept = 0;
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( weights[i] < 0.0f )
+            return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "a weight of a joint is %g, must be 0 or more",
+                                 (double)weights[i] );
+        largest = rf_maxf( largest, weights[i] );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( !( weights[i] > LEAST_WEIGHT * largest ) )
+            continue;
+        sum += (double)weights[i];
+        joint[kept] = (uint16_t)joints[i];
+        weight[kept++] = weights[i];
+    }
+    if ( kept == 0 )
+    {
+        joint[0] = (uint16_t)joints[0];
+        weight[0] = 1.0f;
+        sum = kept = 1;
+        rf_gltf_notice( gltf, "%s has vertices without weights: they follow their first joint", where );
+    }
+    else if ( fabs( sum - 1.0 ) > (double)WEIGHT_TOLERANCE )
+        rf_gltf_notice( gltf, "%s has vertices whose weights sum to %g: they are scaled to 1", where, sum );
+    for ( int i = 0; i < kept; ++i )
+    {
+        weight[i] = (float)( (double)weight[i] / sum );
+        if ( joint[i] >= deformation->joint_count )
+            deformation->joint_count = joint[i] + 1;
+    }
+    return RF_OK;
+}
+
+// Adds joints and weights of a primitive, likewise.
+static RfResult read_influences( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
+                                 RfDeformation* deformation )
+{
+    const char* where = json->path;
+    Influences from;
+    RF_TRY( open_influences( gltf, json, &from ) );
+    size_t all = ( (size_t)base + primitive->t.vertex_count ) * (size_t)deformation->influences;
+    uint16_t* joints = realloc( deformation->joints, ( all + 1 ) * sizeof *joints );
+    deformation->joints = joints != NULL ? joints : deformation->joints;
+    float* weights = realloc( deformation->weights, ( all + 1 ) * sizeof *weights );
+    deformation->weights = weights != NULL ? weights : deformation->weights;
+    if ( joints == NULL || weights == NULL )
+        return rf_gltf_no_memory( gltf, where );
+    size_t before = (size_t)base * (size_t)deformation->influences;
+    memset( joints + before, 0, ( all - before ) * sizeof *joints );
+    memset( weights + before, 0, ( all - before ) * sizeof *weights );
+    for ( uint32_t v = 0; v < primitive->t.vertex_count; ++v )
+    {
+        float joint[8] = { 0 }, weight[8] = { 0 };
+        for ( int i = 0; i < 2 && from.joints[i] >= 0; ++i )
+        {
+            RF_TRY( rf_gltf_read_floats( gltf, from.joints[i], primitive->sources[v], joint + 4 * i ) );
+            RF_TRY( rf_gltf_read_floats( gltf, from.weights[i], primitive->sources[v], weight + 4 * i ) );
+        }
+        RF_TRY( keep_influences( gltf, where, base + v, joint, weight, deformation->influences, deformation ) );
+    }
+    return RF_OK;
+}
+
+// Up to eight joints for a vertex, rather than four?
+static bool has_eight_joints( const json_t* primitive )
+{
+    return json_object_get( json_object_get( primitive, "attributes" ), "JOINTS_1" ) != NULL;
+}
 
 #define MAX_VERTICES ( 3u << 28 )
 
@@ -272,9 +684,9 @@ static RfResult add_primitive( Reader* r, const RfField* json, const RfGltfPrimi
     r->flat = flat;
     memset( flat + base, p->flat, p->t.vertex_count );
     if ( result == RF_OK && mesh->deformation != NULL )
-        result = rf_gltf_read_targets( r->gltf, json, p, base, mesh->deformation );
+        result = read_targets( r->gltf, json, p, base, mesh->deformation );
     if ( result == RF_OK && r->shape->skinned )
-        result = rf_gltf_read_influences( r->gltf, json, p, base, mesh->deformation );
+        result = read_influences( r->gltf, json, p, base, mesh->deformation );
     return result;
 }
 
@@ -302,7 +714,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
     for ( size_t i = 0; r->shape->skinned && i < json_array_size( primitives ); ++i )
     {
         if ( deformation->influences < EIGHT )
-            deformation->influences = rf_gltf_has_eight_joints( json_array_get( primitives, i ) ) ? EIGHT : FOUR;
+            deformation->influences = has_eight_joints( json_array_get( primitives, i ) ) ? EIGHT : FOUR;
     }
     int count;
     RF_TRY( rf_gltf_mesh_targets( r->gltf, r->gltf->uses[r->shape->use].mesh, &count ) );

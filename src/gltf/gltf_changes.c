@@ -2,7 +2,7 @@
 #include "gltf/gltf_material.h"
 
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
 

@@ -231,12 +231,11 @@ RfResult rf_gltf_open_lists( RfGltf* gltf )
     return rf_json_result( &root );
 }
 
-// Limit of unknown extensions reported per file.
 // Extensions: those that change the image are supported, rejected if required, or reported. Here are their names alone; their
 // values are read where they belong: gltf_material.c, gltf_texture.c, gltf_light.c, gltf_node.c, gltf_primitive.c,
-// gltf_draco.c, gltf_meshopt.c.
+// gltf_draco.c, gltf_buffer.c.
 
-#define MAX_NAMED 32
+#define MAX_NAMED 32 // unknown ones, per file
 
 static bool never( void ) { return false; }
 

@@ -350,7 +350,7 @@ uint32_t rf_gltf_tagged_material( const RfGltf* gltf, int use, uint32_t material
 RfResult rf_gltf_read_node_index( const RfGltf* gltf, const json_t* list, size_t at, const char* where, const char* key,
                                   int* node );
 
-// The number of morph targets of a node's mesh; fails if it has none (gltf_deformation.c).
+// The number of morph targets of a node's mesh; fails if it has none (gltf_bake.c).
 RfResult rf_gltf_count_targets( const RfGltf* gltf, int node, const char* where, int* count );
 
 // Adds to what changes in the file and cannot be rendered so; the same is listed once.

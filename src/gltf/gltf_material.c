@@ -14,7 +14,7 @@
 
 #include "base/try.h"
 #include "scene/shared_json.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,10 +2,9 @@
 #include "gltf/gltf_mesh.h"
 
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/placement.h"
-#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdlib.h>

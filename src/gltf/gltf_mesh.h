@@ -68,25 +68,14 @@ RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out );
 // The transform of one instance within its node.
 RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
 
-// The number of morph targets of all primitives of a mesh (gltf_deformation.c).
+// The number of morph targets of all primitives of a mesh (gltf_bake.c).
 RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count );
 
 // The weights of a node's mesh where nothing animates them.
 RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int count, double* weights );
 
-// Adds the targets of a primitive whose vertices begin at `base` of the mesh.
-RfResult rf_gltf_read_targets( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
-                               RfDeformation* deformation );
-
-// Reads the skins, with nodes of the scene for joints (gltf_deformation.c).
+// Reads the skins, with nodes of the scene for joints (gltf_bake.c).
 RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement );
-
-// Adds joints and weights of a primitive, likewise.
-RfResult rf_gltf_read_influences( RfGltf* gltf, const RfField* json, const RfGltfPrimitive* primitive, uint32_t base,
-                                  RfDeformation* deformation );
-
-// Up to eight joints for a vertex, rather than four?
-bool rf_gltf_has_eight_joints( const json_t* primitive );
 
 // A mesh in its own space, of all primitives, or of those with materials that change. `deforms`: with its morph targets and all triangles; `skinned`: with its
 // joints as well; else without the triangles that have no area (gltf_bake.c).

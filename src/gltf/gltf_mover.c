@@ -3,11 +3,10 @@
 #include "gltf/gltf_mesh.h"
 
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/merge.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
-#include "scene/surfaces.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
 #include "gltf/gltf_mesh.h"
 
 #include "base/try.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,10 +6,9 @@
 #include "base/try.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
-#include "scene/animation.h"
-#include "scene/camera.h"
-#include "scene/camera_path/optics.h"
 #include "scene/movement.h"
+#include "scene/camera.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/projection.h"
 #include "scene/shared_json.h"
 

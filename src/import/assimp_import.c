@@ -554,7 +554,6 @@ static RfResult import_by_assimp( const char* path, RfModel* model, RfLog* log, 
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
 #include "base/try.h"
-#include "convert/glb_write.h"
 #include "convert/model.h"
 #include "import/assimp_import.h"
 

@@ -2,7 +2,7 @@
 #include "render/surface_layers.h"
 
 #include "render/renderer.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 
 #include <stdlib.h>
 

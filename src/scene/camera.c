@@ -2,12 +2,11 @@
 #include "scene/camera.h"
 
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
 #include "base/json.h"
 #include "scene/leave_out.h"
-#include "scene/movement.h"
 #include "scene/projection.h"
 
 #include <math.h>

@@ -1,7 +1,6 @@
 // Lists what changes besides the shapes and places of objects.
 #include "scene/changes.h"
 
-#include "scene/animation.h"
 #include "scene/movement.h"
 #include "scene/textured.h"
 

@@ -7,7 +7,6 @@
 #include "scene/light_groups.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
-#include "scene/surfaces.h"
 #include "scene/textured.h"
 
 #include <math.h>

@@ -5,10 +5,9 @@
 #include "base/file.h"
 #include "base/layout.h"
 #include "base/try.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/deformation.h"
 #include "scene/texture.h"
-#include "scene/movement.h"
 #include "scene/textured.h"
 
 #include <math.h>

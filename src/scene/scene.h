@@ -80,7 +80,7 @@ typedef struct RfPlacement
     RfMat4 matrix; // affine, from the mesh's space into the world relative to the scene's origin; invertible where shown
     bool shown;    // false: it is not there
     int mover;     // of the scene's movement (scene/movement.h), in their order; −1: it stands still
-    int node;      // 1 + the node that has the mesh (scene/surfaces.h); 0: none
+    int node;      // 1 + the node that has the mesh (scene/placement.h); 0: none
 } RfPlacement;
 
 // From where on triangles in world space are of a node.

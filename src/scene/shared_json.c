@@ -5,11 +5,10 @@
 #include "base/try.h"
 #include "image/decode.h"
 #include "reframe/image.h"
-#include "scene/animation.h"
-#include "scene/camera_path/camera_track_read.h"
+#include "scene/movement.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/camera_path/curve.h"
 #include "scene/light_groups.h"
-#include "scene/movement.h"
 #include "scene/scene.h"
 
 #include <limits.h>

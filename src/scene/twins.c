@@ -3,7 +3,6 @@
 
 #include "base/fault.h"
 #include "scene/placement.h"
-#include "scene/surfaces.h"
 #include "scene/textured.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
-#include "scene/camera_path/camera_track_read.h"
+#include "scene/camera_path/camera_track.h"
 #include "scene/shared_json.h"
 #include "scene/merge.h"
 

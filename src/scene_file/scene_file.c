@@ -8,7 +8,6 @@
 #include "gltf/gltf_document.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
-#include "scene/camera_path/camera_track_read.h"
 #include "scene/light_groups.h"
 #include "scene/shared_json.h"
 #include "scene/twins.h"

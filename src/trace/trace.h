@@ -7,7 +7,6 @@
 
 #include "base/built_in.h"
 #include "light/light.h"
-#include "scene/chain_bounds.h"
 #include "scene/mirrors.h"
 #include "scene/scene.h"
 

@@ -4,7 +4,7 @@
 
 #include "light/changing.h"
 #include "light/light.h"
-#include "scene/chain_bounds.h"
+#include "scene/mirrors.h"
 #include "scene/placement.h"
 #include "trace/bvh.h"
 #include "trace/occluders.h"

@@ -6,7 +6,7 @@
 
 #include "gltf/gltf.h"
 #include "scene/light_groups.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 
 #define SIZE "64x36"
 #define SAMPLES 128 // of a pixel, traced for the frame itself

@@ -4,7 +4,7 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include "convert/glb_write.h"
+#include "convert/model.h"
 #include "convert/convert.h"
 
 #include <errno.h>

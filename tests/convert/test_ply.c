@@ -1,6 +1,6 @@
 // The PLY reader: the three encodings, polygons, colours, what is ignored, and every error
 // line.
-#include "convert/ply_read.h"
+#include "convert/model.h"
 #include "support/scene_files.h"
 #include "support/test.h"
 

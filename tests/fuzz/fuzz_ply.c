@@ -1,5 +1,5 @@
 // PLY meshes of `convert`, and what is written of them.
-#include "convert/ply_read.h"
+#include "convert/model.h"
 #include "fuzz/fuzz.h"
 
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )

@@ -5,7 +5,7 @@
 #include "support/test.h"
 
 #include "gltf/gltf.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/camera.h"
 
 #include <math.h>

@@ -11,7 +11,7 @@
 #include "film/pixel_filter.h"
 #include "scene/lens.h"
 #include "scene/projection.h"
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 #include "trace/trace.h"
 
 #include <math.h>

@@ -1,10 +1,9 @@
 // Animation channels, camera placement and frame counts, on scenes made by hand.
 
 #include "support/test.h"
-#include "scene/animation.h"
+#include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
-#include "scene/movement.h"
 
 #define HALF_SQRT2 0.70710678118654752440
 

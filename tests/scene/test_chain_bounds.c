@@ -1,6 +1,6 @@
 // The boxes around mirrors and glass: no ray that meets one of those misses its box, and most others miss all.
 #include "base/random.h"
-#include "scene/chain_bounds.h"
+#include "scene/mirrors.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
 #include "support/test.h"

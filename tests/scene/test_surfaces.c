@@ -3,7 +3,7 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-#include "scene/surfaces.h"
+#include "scene/placement.h"
 
 static const float s_corners[] = { 0, 0, 0, 1, 0, 0, 0, 1, 0 };
 static const float s_times[] = { 0, 1 };

@@ -4,7 +4,6 @@
 #include "support/image_files.h"
 #include "support/test.h"
 
-#include "scene/animation.h"
 #include "scene/movement.h"
 #include "scene/pose.h"
 

@@ -3,12 +3,42 @@
 #ifndef REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 #define REFRAME_SCENE_CAMERA_PATH_CAMERA_TRACK_H
 
+#include "base/json.h"
 #include "reframe/camera.h"
 #include "scene/camera_path/curve.h"
-#include "scene/camera_path/optics.h"
 
 #include <stdbool.h>
 #include <stdint.h>
+
+// The lens and the shutter of a camera, as files have them.
+
+#define RF_DEFAULT_SENSOR 0.024 // height of the film, m: that of 35 mm film
+
+typedef struct RfOptics
+{
+    double fstop;      // 0: by the radius
+    double radius;     // of the lens, m; 0: a pinhole
+    double sensor;     // height of the film, m: with the angle of view it gives the focal length that f-numbers divide
+    double focus;      // m along the view; 0: none given
+    char* focus_node;  // the node that is in focus, owned; NULL: by distance
+    int blades;        // 0, or 3 and more
+    double rotation;   // of the blades, rad
+    double shutter[2]; // when it opens and closes, frames from the frame's own time
+} RfOptics;
+
+// Reads the member "lens" of a camera path or of a glTF node's extras; without it `optics` is a pinhole whose shutter is open for
+// no time.
+RfResult rf_read_optics( const RfField* object, RfOptics* optics );
+
+void rf_destroy_optics( RfOptics* optics );
+
+static inline bool rf_has_shutter( const RfOptics* optics ) { return optics->shutter[1] > optics->shutter[0]; }
+static inline bool rf_has_lens( const RfOptics* optics ) { return optics->fstop > 0.0 || optics->radius > 0.0; }
+
+// The radius of the lens for a camera of this angle of view, m. An orthographic camera has no focal length: 1 m, as in Cycles.
+double rf_optics_radius( const RfOptics* optics, const RfEye* eye );
+
+// Camera paths.
 
 typedef enum RfTrackKind
 {
@@ -70,8 +100,7 @@ typedef struct RfView
 RfResult rf_load_camera_track( const char* path, RfCameraTrack* track, RfError* error );
 
 // Reads a camera path from a JSON object inside another file.
-struct RfField;
-RfResult rf_read_camera_track( const struct RfField* object, RfCameraTrack* track );
+RfResult rf_read_camera_track( const RfField* object, RfCameraTrack* track );
 
 // Frees the curves and names of a track and clears it.
 void rf_destroy_camera_track( RfCameraTrack* track );
@@ -91,5 +120,19 @@ RfCameraTrack rf_shot_of_track( const RfCameraTrack* track, int shot );
 // The view at a time (in seconds or frames, as the track has it). Fails with RF_ERROR_SCENE if
 // the view has no direction: the camera is on its target, or up is parallel to the view.
 RfResult rf_sample_camera_track( const RfCameraTrack* track, double time, RfView* view, RfError* error );
+
+#define RF_MAX_TRACK_SECONDS 1e6
+#define RF_MAX_TRACK_FRAMES 1e6
+#define RF_DEFAULT_FOV 40.0 // degrees
+#define RF_MAX_SHIFT 1000.0 // heights of the picture
+
+// Reads a rotation, which is required.
+RfResult rf_read_rotation( const RfField* field, double q[4] ); // required
+
+// Reads whether keys are joined linearly, rather than smoothly; false where nothing is said.
+RfResult rf_read_interpolation( const RfField* object, bool* linear );
+
+// Reads when key `index` is, in seconds or as the number of a frame, which must be later than the key before it.
+RfResult rf_read_key_time( const RfField* key, bool in_frames, int index, double* times );
 
 #endif

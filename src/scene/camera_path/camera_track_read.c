@@ -1,5 +1,5 @@
 // Reads and validates camera-path files (anim/camera-path.schema.json).
-#include "scene/camera_path/camera_track_read.h"
+#include "scene/camera_path/camera_track.h"
 
 #include "base/try.h"
 #include "math/quat.h"
