@@ -37,7 +37,9 @@ typedef enum End
     END_INTERRUPT,
 } End;
 
-RfResult rf_find_importer( char* path, size_t size, RfError* error )
+// Finds reframe-import beside the running program, or relative to it in
+// ../libexec/reframe or ../lib/reframe.
+static RfResult find_importer( char* path, size_t size, RfError* error )
 {
     static const char* const folders[] = { "", "../libexec/reframe/", "../lib/reframe/" };
     char self[4096];
@@ -245,7 +247,7 @@ static RfResult convert_by_assimp( const char* from, const char* to, const RfCon
                                    RfLog* log, RfError* error )
 {
     char program[8192];
-    RfResult result = options->importer == NULL ? rf_find_importer( program, sizeof program, error ) : RF_OK;
+    RfResult result = options->importer == NULL ? find_importer( program, sizeof program, error ) : RF_OK;
     RfImporterRun run = { .program = options->importer != NULL ? options->importer : program,
                           .source = from,
                           .target = to,

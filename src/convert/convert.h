@@ -7,7 +7,7 @@
 
 typedef struct RfImporterRun
 {
-    const char* program; // path of reframe-import, see rf_find_importer
+    const char* program; // path of reframe-import
     const char* source;
     const char* target; // written atomically, replaced if it exists
     size_t memory;      // limit of its address space, bytes
@@ -22,9 +22,5 @@ typedef struct RfImporterRun
 // warnings go to the log. Fails with RF_ERROR_FORMAT if the importer rejects the file or
 // crashes, RF_ERROR_MEMORY or RF_ERROR_INTERRUPTED, and then writes nothing.
 RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog* log, RfError* error );
-
-// Finds reframe-import beside the running program, or relative to it in
-// ../libexec/reframe or ../lib/reframe.
-RfResult rf_find_importer( char* path, size_t size, RfError* error );
 
 #endif

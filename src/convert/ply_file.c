@@ -161,21 +161,19 @@ RfResult rf_ply_read_header( RfPlyFile* file )
 {
     Line line;
     bool has_format = false;
-    RfResult result = next_line( file, &line );
-    if ( result == RF_OK && ( line.count != 1 || strcmp( line.words[0], "ply" ) != 0 ) )
+    RF_TRY( next_line( file, &line ) );
+    if ( line.count != 1 || strcmp( line.words[0], "ply" ) != 0 )
         return rf_ply_fail( file, "does not begin with 'ply'" );
-    while ( result == RF_OK )
+    RF_TRY( next_line( file, &line ) );
+    while ( line.count != 1 || strcmp( line.words[0], "end_header" ) != 0 )
     {
-        result = next_line( file, &line );
-        if ( result == RF_OK && line.count == 1 && strcmp( line.words[0], "end_header" ) == 0 )
-            break;
-        if ( result == RF_OK )
-            result = read_line( file, &line, &has_format );
+        RF_TRY( read_line( file, &line, &has_format ) );
+        RF_TRY( next_line( file, &line ) );
     }
-    if ( result == RF_OK && !has_format )
+    if ( !has_format )
         return rf_ply_fail( file, "the header has no format" );
     file->line = file->format == RF_PLY_ASCII ? file->line + 1 : 0;
-    return result;
+    return RF_OK;
 }
 
 #define MAX_WORD 64
@@ -303,14 +301,14 @@ RfResult rf_ply_read_value( RfPlyFile* file, RfPlyType type, double* value )
     if ( file->format == RF_PLY_ASCII )
     {
         char word[MAX_WORD];
-        RfResult result = read_word( file, word );
-        if ( result == RF_OK && !parse_decimal( word, value ) )
+        RF_TRY( read_word( file, word ) );
+        if ( !parse_decimal( word, value ) )
             return rf_ply_fail( file, "'%.40s' is not a number", word );
-        if ( result == RF_OK && type < RF_PLY_FLOAT32 && *value != floor( *value ) )
+        if ( type < RF_PLY_FLOAT32 && *value != floor( *value ) )
             return rf_ply_fail( file, "'%.40s' is not an integer", word );
-        if ( result == RF_OK && type < RF_PLY_FLOAT32 && !fits( type, *value ) )
-            return rf_ply_fail( file, "'%.40s' does not fit into %s", word, s_type_names[type] );
-        return result;
+        return type >= RF_PLY_FLOAT32 || fits( type, *value )
+                   ? RF_OK
+                   : rf_ply_fail( file, "'%.40s' does not fit into %s", word, s_type_names[type] );
     }
     size_t size = s_sizes[type];
     if ( file->size - file->at < size )
@@ -351,10 +349,10 @@ RfResult rf_ply_skip( RfPlyFile* file, const RfPlyProperty* property )
 {
     uint32_t count = 1;
     double value;
-    RfResult result = property->is_list ? rf_ply_read_count( file, property, &count ) : RF_OK;
-    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
-        result = rf_ply_read_value( file, property->type, &value );
-    return result;
+    RF_TRY( property->is_list ? rf_ply_read_count( file, property, &count ) : RF_OK );
+    for ( uint32_t i = 0; i < count; ++i )
+        RF_TRY( rf_ply_read_value( file, property->type, &value ) );
+    return RF_OK;
 }
 
 RfResult rf_ply_check_end( RfPlyFile* file )

@@ -110,19 +110,15 @@ static RfResult bind_vertices( RfPlyReader* r, const RfPlyElement* element, Slot
     static const char* const s_colors[][4] = { { "red" }, { "green" }, { "blue" }, { "alpha" } };
     static const char* const s_alpha[] = { "alpha", NULL };
     RfModelMesh* m = r->mesh;
-    RfResult result = bind( r, element, s_places, 3, 3, false, &m->positions, slots );
-    if ( result == RF_OK && m->positions == NULL )
+    RF_TRY( bind( r, element, s_places, 3, 3, false, &m->positions, slots ) );
+    if ( m->positions == NULL )
         return rf_ply_fail( &r->file, "element vertex has no x, y and z" );
-    if ( result == RF_OK )
-        result = bind( r, element, s_normals, 3, 3, false, &m->normals, slots );
-    if ( result == RF_OK )
-        result = bind( r, element, s_uvs, 2, 2, false, &m->uvs, slots );
-    int channels = find( element, s_alpha ) >= 0 ? 4 : 3;
-    if ( result == RF_OK )
-        result = bind( r, element, s_colors, channels, 4, true, &m->colors, slots );
+    RF_TRY( bind( r, element, s_normals, 3, 3, false, &m->normals, slots ) );
+    RF_TRY( bind( r, element, s_uvs, 2, 2, false, &m->uvs, slots ) );
+    RF_TRY( bind( r, element, s_colors, find( element, s_alpha ) >= 0 ? 4 : 3, 4, true, &m->colors, slots ) );
     for ( uint64_t i = 0; m->colors != NULL && i < element->count; ++i )
         m->colors[4 * i + 3] = 1.0f;
-    return result;
+    return RF_OK;
 }
 
 static RfResult store( RfPlyReader* r, const RfPlyProperty* property, const Slot* slot, uint64_t i )
@@ -415,16 +411,25 @@ static RfResult find_corners( const RfPlyReader* r, const RfPlyElement* element,
     return RF_OK;
 }
 
+typedef RfResult ReadList( RfPlyReader* r, const RfPlyProperty* property, uint64_t item );
+
+// Reads list number `list` of all items of an element by `read`, and skips all else; −1: skips all.
+static RfResult read_items( RfPlyReader* r, const RfPlyElement* element, int list, ReadList* read )
+{
+    uint64_t count = element->property_count > 0 ? element->count : 0;
+    for ( uint64_t i = 0; i < count; ++i )
+    {
+        for ( int k = 0; k < element->property_count; ++k )
+            RF_TRY( k == list ? read( r, element->properties + k, i ) : rf_ply_skip( &r->file, element->properties + k ) );
+    }
+    return RF_OK;
+}
+
 static RfResult read_faces( RfPlyReader* r, const RfPlyElement* element )
 {
     int list = -1;
-    RfResult result = find_corners( r, element, &list );
-    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
-    {
-        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
-            result = k == list ? read_polygon( r, element->properties + k, i ) : rf_ply_skip( &r->file, element->properties + k );
-    }
-    return result;
+    RF_TRY( find_corners( r, element, &list ) );
+    return read_items( r, element, list, read_polygon );
 }
 
 // Adds a corner to a strip: `at` corners came before it since the last -1, the last two of
@@ -445,37 +450,30 @@ static RfResult add_corner( RfPlyReader* r, uint32_t corner, uint32_t at )
 static RfResult read_strips( RfPlyReader* r, const RfPlyProperty* property, uint64_t element )
 {
     uint32_t count = 0, at = 0;
-    RfResult result = rf_ply_read_count( &r->file, property, &count );
-    for ( uint32_t i = 0; result == RF_OK && i < count; ++i )
+    RF_TRY( rf_ply_read_count( &r->file, property, &count ) );
+    for ( uint32_t i = 0; i < count; ++i )
     {
         double value = 0.0;
-        result = rf_ply_read_value( &r->file, property->type, &value );
+        RF_TRY( rf_ply_read_value( &r->file, property->type, &value ) );
         bool ends = value == -1.0;
-        if ( result == RF_OK && !ends && !is_vertex( r, value ) )
+        if ( !ends && !is_vertex( r, value ) )
             return rf_ply_fail( &r->file, "corner %u of tristrips %llu is vertex %.9g of %u, and not -1", i,
                                 (unsigned long long)element, value, r->mesh->vertex_count );
-        if ( result == RF_OK && !ends )
-            result = add_corner( r, (uint32_t)value, at );
+        if ( !ends )
+            RF_TRY( add_corner( r, (uint32_t)value, at ) );
         r->dropped += ends && at > 0 && at < 3;
         at = ends ? 0 : at + 1;
     }
     r->dropped += at > 0 && at < 3;
-    return result;
+    return RF_OK;
 }
 
 // Reads triangle strips separated by -1; every second triangle of a strip is flipped.
 static RfResult ply_read_strips( RfPlyReader* r, const RfPlyElement* element )
 {
     int list = -1;
-    RfResult result = find_corners( r, element, &list );
-    if ( result == RF_OK && !reserve_corners( r, 3 ) )
-        return rf_ply_no_memory( r );
-    for ( uint64_t i = 0; result == RF_OK && i < element->count; ++i )
-    {
-        for ( int k = 0; result == RF_OK && k < element->property_count; ++k )
-            result = k == list ? read_strips( r, element->properties + k, i ) : rf_ply_skip( &r->file, element->properties + k );
-    }
-    return result;
+    RF_TRY( find_corners( r, element, &list ) );
+    return reserve_corners( r, 3 ) ? read_items( r, element, list, read_strips ) : rf_ply_no_memory( r );
 }
 
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
@@ -484,41 +482,27 @@ static RfResult ply_read_strips( RfPlyReader* r, const RfPlyElement* element )
 // more, so that no number of ordinary faces exhausts them.
 #define CUT_STEPS ( (uint64_t)1 << 28 )
 
-static RfResult skip_element( RfPlyReader* r, const RfPlyElement* element )
-{
-    uint64_t count = element->property_count > 0 ? element->count : 0;
-    for ( uint64_t i = 0; i < count; ++i )
-    {
-        for ( int k = 0; k < element->property_count; ++k )
-            RF_TRY( rf_ply_skip( &r->file, element->properties + k ) );
-    }
-    return RF_OK;
-}
-
 static RfResult read_elements( RfPlyReader* r )
 {
-    RfResult result = rf_ply_read_header( &r->file );
-    for ( int e = 0; result == RF_OK && e < r->file.element_count; ++e )
+    RF_TRY( rf_ply_read_header( &r->file ) );
+    for ( int e = 0; e < r->file.element_count; ++e )
     {
         const RfPlyElement* element = r->file.elements + e;
-        result = rf_ply_check_element( &r->file, element );
-        if ( result != RF_OK )
-            break;
+        RF_TRY( rf_ply_check_element( &r->file, element ) );
         if ( strcmp( element->name, "vertex" ) == 0 )
-            result = read_vertices( r, element );
+            RF_TRY( read_vertices( r, element ) );
         else if ( strcmp( element->name, "face" ) == 0 )
-            result = read_faces( r, element );
+            RF_TRY( read_faces( r, element ) );
         else if ( strcmp( element->name, "tristrips" ) == 0 )
-            result = ply_read_strips( r, element );
+            RF_TRY( ply_read_strips( r, element ) );
         else
-            result = skip_element( r, element );
+            RF_TRY( read_items( r, element, -1, NULL ) );
     }
-    if ( result == RF_OK )
-        result = rf_ply_check_end( &r->file );
-    if ( result == RF_OK && r->mesh->triangle_count == 0 )
+    RF_TRY( rf_ply_check_end( &r->file ) );
+    if ( r->mesh->triangle_count == 0 )
         return rf_fail( r->file.error, RF_ERROR_FORMAT, "%s: has no faces: points alone cannot be rendered, make a mesh of them",
                         r->file.path );
-    return result;
+    return RF_OK;
 }
 
 static RfResult make_model( RfModel* model )

@@ -6,8 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
-                             const uint8_t** bytes )
+// The bytes of a view (gltf_accessor.c) from `offset` on, of which `need` must exist.
+static RfResult view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
+                            const uint8_t** bytes )
 {
     const RfGltfUnpackedView* unpacked;
     const uint8_t* start = NULL;
@@ -34,7 +35,7 @@ RfResult rf_gltf_whole_view( const RfGltf* gltf, const char* where, int view, ui
     RfField json = rf_gltf_item_field( gltf, RF_GLTF_BUFFER_VIEWS, view );
     RfResult result = rf_get_integer( &json, "byteLength", 1, (int64_t)most, &length );
     *size = (size_t)length;
-    return result == RF_OK ? rf_gltf_view_bytes( gltf, where, view, 0, (uint64_t)length, bytes ) : result;
+    return result == RF_OK ? view_bytes( gltf, where, view, 0, (uint64_t)length, bytes ) : result;
 }
 
 // The stride of a view for elements of `element` bytes.
@@ -248,7 +249,7 @@ static RfResult read_view( const RfGltf* gltf, const RfField* json, RfGltfAccess
     RF_TRY( view_stride( gltf, view, size, &out->stride ) );
     // count ≤ 2³¹ and stride ≤ 252: no overflow
     uint64_t need = out->stride * ( (uint64_t)out->count - 1 ) + size;
-    return rf_gltf_view_bytes( gltf, json->path, view, (uint64_t)offset, need, &out->data );
+    return view_bytes( gltf, json->path, view, (uint64_t)offset, need, &out->data );
 }
 
 static RfResult read_sparse_part( const RfGltf* gltf, const RfField* sparse, const char* key, uint64_t bytes,
@@ -260,7 +261,7 @@ static RfResult read_sparse_part( const RfGltf* gltf, const RfField* sparse, con
     rf_gltf_require( &part, "bufferView", NULL );
     int view = rf_gltf_get_index( gltf, &part, "bufferView", RF_GLTF_BUFFER_VIEWS );
     RfResult result = rf_get_integer( &part, "byteOffset", 0, INT64_MAX, &offset );
-    return result == RF_OK ? rf_gltf_view_bytes( gltf, part.path, view, (uint64_t)offset, bytes, data ) : result;
+    return result == RF_OK ? view_bytes( gltf, part.path, view, (uint64_t)offset, bytes, data ) : result;
 }
 
 static RfResult check_sparse_indices( const RfGltf* gltf, const char* where, const RfGltfAccessor* out )

@@ -219,9 +219,6 @@ static RfResult read_targets( RfGltf* gltf, const RfField* json, const RfGltfPri
 // Of the largest: less moves nothing, and denormal numbers count as 0 later.
 #define LEAST_WEIGHT 1e-9f
 
-// Exporters write the last row of a matrix with rounding errors.
-#define AFFINE_TOLERANCE 1e-5f
-
 static RfResult read_joints( const RfGltf* gltf, const RfField* json, RfSkin* skin )
 {
     const char* where = json->path;
@@ -249,14 +246,11 @@ static RfResult read_inverse_bind( const RfGltf* gltf, const char* where, int in
 {
     float m[16];
     RF_TRY( rf_gltf_read_floats( gltf, index, element, m ) );
-    if ( fabsf( m[3] ) > AFFINE_TOLERANCE || fabsf( m[7] ) > AFFINE_TOLERANCE || fabsf( m[11] ) > AFFINE_TOLERANCE ||
-         fabsf( m[15] - 1.0f ) > AFFINE_TOLERANCE )
-        return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "inverseBindMatrices[%u] has a last row other than 0 0 0 1", element );
     for ( int i = 0; i < 16; ++i )
         out->m[i] = (double)m[i];
-    out->m[3] = out->m[7] = out->m[11] = 0.0;
-    out->m[15] = 1.0;
-    return RF_OK;
+    return rf_gltf_make_affine( out->m ) ? RF_OK
+                                         : rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
+                                                         "inverseBindMatrices[%u] has a last row other than 0 0 0 1", element );
 }
 
 // Without them they are the identity.
@@ -541,8 +535,8 @@ static RfResult transform_vertices( const RfGltf* gltf, RfTriangles* t, uint32_t
         rf_mat4_apply( matrix, local, 1.0, placed );
         for ( int i = 0; i < 3; ++i )
         {
-            if ( !( fabs( placed[i] ) <= RF_GLTF_MAX_COORDINATE ) ) // written so that NaN fails
-                return fail_far( gltf, where, placed[i], RF_GLTF_MAX_COORDINATE );
+            if ( !( fabs( placed[i] ) <= RF_MAX_COORDINATE ) ) // written so that NaN fails
+                return fail_far( gltf, where, placed[i], RF_MAX_COORDINATE );
             at[i] = (float)placed[i];
         }
         if ( !flat )

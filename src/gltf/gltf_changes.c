@@ -336,17 +336,6 @@ static void move_lamp( const int* moved, RfMovingLamp* lamp, RfMovement* movemen
     movement->lamps[movement->lamp_count++] = *lamp;
 }
 
-// Which materials some triangle has.
-static void find_used( const RfScene* scene, bool* used )
-{
-    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
-    {
-        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
-        for ( uint32_t i = 0; i < t->count; ++i )
-            used[t->material[i]] = true;
-    }
-}
-
 // Marks the changes of lamps, and those with an effect of materials that are in use; copies of a material share them.
 static void mark_used( RfGltf* gltf, const bool* used, int* marked )
 {
@@ -412,7 +401,7 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement )
         used != NULL && moved != NULL && movement->changes != NULL && movement->lamps != NULL && movement->materials != NULL;
     if ( room )
     {
-        find_used( gltf->scene, used );
+        rf_mark_used_materials( gltf->scene, used );
         mark_used( gltf, used, moved );
         move_list( gltf, movement, moved );
     }

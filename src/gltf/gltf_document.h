@@ -174,6 +174,17 @@ typedef struct RfGltf
     uint64_t noticed_extensions; // one bit per row of the table in gltf_document.c
 } RfGltf;
 
+// Sets the last row of a matrix to 0 0 0 1, which exporters write with rounding errors. False: it is another.
+static inline bool rf_gltf_make_affine( double m[16] )
+{
+    const double most = 1e-5;
+    if ( fabs( m[3] ) > most || fabs( m[7] ) > most || fabs( m[11] ) > most || fabs( m[15] - 1.0 ) > most )
+        return false;
+    m[3] = m[7] = m[11] = 0.0;
+    m[15] = 1.0;
+    return true;
+}
+
 // A formatted name, for `where`.
 typedef struct RfWhere
 {
@@ -288,10 +299,6 @@ RfResult rf_fail_unknown_item( const RfField* field, const char* kind, const cha
 
 // The material of a primitive, in that variant; −1: none.
 RfResult rf_gltf_material_of( const RfGltf* gltf, const RfField* primitive, int* material );
-
-// The bytes of a view (gltf_accessor.c) from `offset` on, of which `need` must exist.
-RfResult rf_gltf_view_bytes( const RfGltf* gltf, const char* where, int view, uint64_t offset, uint64_t need,
-                             const uint8_t** bytes );
 
 // All of a view, which may have so many.
 RfResult rf_gltf_whole_view( const RfGltf* gltf, const char* where, int view, uint64_t most, const uint8_t** bytes,

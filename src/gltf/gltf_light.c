@@ -72,8 +72,7 @@ static void set_light( const RfLampValues* most, RfPunctual* out )
 {
     if ( out->kind == RF_PUNCTUAL_SPOT )
         rf_set_cone( out, fmin( most->cone[0], most->cone[1] ), most->cone[1] );
-    out->intensity = rf_vec3( (float)( most->color[0] * most->intensity ), (float)( most->color[1] * most->intensity ),
-                              (float)( most->color[2] * most->intensity ) );
+    out->intensity = rf_vec3_of( most->color, most->intensity );
     out->range = (float)most->range;
 }
 

@@ -20,11 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static RfVec3 scaled( const double rgb[3], double s )
-{
-    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
-}
-
 #define BESIDE "pass_index", "light_group"
 
 // A model, its keys and its alpha. A reflectance is required where there is a key for it.
@@ -111,7 +106,7 @@ static RfResult find_model( RfGltfMaterial* m )
     return check_edit( m );
 }
 
-RfResult rf_gltf_open_material( RfGltf* gltf, int index, RfGltfMaterial* out )
+static RfResult open_material( RfGltf* gltf, int index, RfGltfMaterial* out )
 {
     *out = ( RfGltfMaterial ){ .index = index, .json = rf_gltf_item_field( gltf, RF_GLTF_MATERIALS, index ), .textures = true };
     out->own = rf_gltf_extras( &out->json );
@@ -185,8 +180,8 @@ static RfResult read_own_model( const RfGltfMaterial* m, RfMaterial* out )
     if ( clear )
         rf_get_number( &m->own, "ior", rf_above( 1.0, 10.0 ), &ior );
     float through = clear ? 1.0f : 0.0f;
-    out->diffuse = scaled( diffuse, 1.0 );
-    out->specular = scaled( specular, 1.0 );
+    out->diffuse = rf_vec3_of( diffuse, 1.0 );
+    out->specular = rf_vec3_of( specular, 1.0 );
     out->kind = model->kind;
     out->alpha = model->alpha;
     out->exponent = model->kind == RF_BSDF_PHONG ? (float)exponent : out->exponent;
@@ -228,7 +223,7 @@ static void make_unlit( const double base[3], RfMaterial* out )
 {
     out->kind = RF_BSDF_LAMBERT;
     out->diffuse = rf_vec3( 0.0f, 0.0f, 0.0f );
-    out->emission = scaled( base, 1.0 );
+    out->emission = rf_vec3_of( base, 1.0 );
 }
 
 // True for a metal by its factors, unless a texture varies it.
@@ -488,7 +483,7 @@ RfResult rf_gltf_read_keys( RfGltf* gltf, int material )
         count += ( rf_changed_traits( v )->flags & RF_VALUE_KEYED ) != 0;
     }
     RfFps fps = gltf->options->fps.numerator > 0 ? gltf->options->fps : rf_gltf_document_fps( gltf->root );
-    RfResult result = rf_gltf_open_material( gltf, material, &m );
+    RfResult result = open_material( gltf, material, &m );
     if ( result == RF_OK )
         result = rf_read_keys( &m.edit, fps, kinds, count, channels, &in_frames );
     for ( int i = 0; i < count; ++i )
@@ -529,7 +524,7 @@ static RfResult load_material( RfGltf* gltf, int index, RfMaterial* out )
     RfMovingMaterial moving = { .material = index, .values = default_values() };
     RfMaterialValues *values = &moving.values, most;
     int changes[RF_CHANGED_COUNT];
-    RF_TRY( rf_gltf_open_material( gltf, index, &m ) );
+    RF_TRY( open_material( gltf, index, &m ) );
     RF_TRY( read_values( gltf, &m, values, out ) );
     rf_gltf_notice_extensions( gltf, &m.json, "material", out->name );
     most = *values;

@@ -78,8 +78,6 @@ typedef struct RfGltfMaterial
     bool unlit;
 } RfGltfMaterial;
 
-RfResult rf_gltf_open_material( RfGltf* gltf, int index, RfGltfMaterial* out );
-
 // Has it a texture there?
 bool rf_gltf_has_texture( const RfGltfMaterial* material, RfTextureSlot slot );
 

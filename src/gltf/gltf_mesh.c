@@ -226,15 +226,14 @@ static RfResult check_coordinates( const RfGltf* gltf, const RfMesh* mesh, const
 {
     double reach = fmax( (double)rf_largest_coordinate( mesh->bounds_min ), (double)rf_largest_coordinate( mesh->bounds_max ) );
     double shift = fmax( fabs( p->matrix.m[12] ), fmax( fabs( p->matrix.m[13] ), fabs( p->matrix.m[14] ) ) );
-    uint32_t vertices =
-        shift + 2.0 * stretch_of( &p->matrix ) * reach <= RF_GLTF_MAX_COORDINATE ? 0 : mesh->triangles.vertex_count;
+    uint32_t vertices = shift + 2.0 * stretch_of( &p->matrix ) * reach <= RF_MAX_COORDINATE ? 0 : mesh->triangles.vertex_count;
     for ( size_t v = 0; v < vertices; ++v )
     {
         const float* own = mesh->triangles.positions + 3 * v;
         float at = rf_largest_coordinate( rf_place_point( &p->matrix, rf_vec3( own[0], own[1], own[2] ) ) );
-        if ( !( (double)at <= RF_GLTF_MAX_COORDINATE ) )
+        if ( !( (double)at <= RF_MAX_COORDINATE ) )
             return rf_gltf_fail( gltf, RF_ERROR_SCENE, where, "a vertex is at %g, beyond %g: scale the scene down", (double)at,
-                                 RF_GLTF_MAX_COORDINATE );
+                                 RF_MAX_COORDINATE );
     }
     return RF_OK;
 }
@@ -304,8 +303,7 @@ static RfResult place_mesh( RfGltf* gltf, RfGltfBaker* baker, const RfMat4* worl
     RfWhere where = rf_where( "meshes[%d]", gltf->uses[use].mesh );
     RfResult result = visit_places( gltf, worlds, use, add_placement, &placing );
     double scale = fmax( placing.stretch, 1.0 / MOST_STRETCH );
-    placing.baker =
-        ( RfGltfBaker ){ .triangles = &own->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA / ( scale * scale ) };
+    placing.baker = ( RfGltfBaker ){ .triangles = &own->triangles, .least_double_area = RF_MIN_DOUBLE_AREA / ( scale * scale ) };
     if ( result == RF_OK )
         result = load_primitives( gltf, baker, &placing, worlds, use );
     if ( result == RF_OK )
@@ -387,7 +385,7 @@ static RfResult choose_placed( RfGltf* gltf )
 RfResult rf_gltf_load_meshes( RfGltf* gltf )
 {
     RfScene* scene = gltf->scene;
-    RfGltfBaker baker = { .triangles = &scene->triangles, .least_double_area = RF_GLTF_MIN_DOUBLE_AREA };
+    RfGltfBaker baker = { .triangles = &scene->triangles, .least_double_area = RF_MIN_DOUBLE_AREA };
     RfMat4* worlds = malloc( ( (size_t)scene->node_count + 1 ) * sizeof *worlds ); // by node
     RfResult result = worlds != NULL ? find_nodes( gltf ) : rf_gltf_no_memory( gltf, "nodes" );
     if ( result == RF_OK )

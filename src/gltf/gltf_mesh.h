@@ -25,12 +25,6 @@ void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
 // Of all that is baked.
 #define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )
 
-// Beyond this, products of lengths overflow floats.
-#define RF_GLTF_MAX_COORDINATE 1e15
-
-// Twice the smallest triangle area that is kept, in m²: where rays and lights still have room among the floats.
-#define RF_GLTF_MIN_DOUBLE_AREA 1e-30
-
 // Bakes primitives into a list of triangles (gltf_bake.c).
 typedef struct RfGltfBaker
 {

@@ -15,20 +15,13 @@
 // malicious file.
 #define MAX_DEPTH 1000
 
-// Exporters write the last row of a matrix with rounding errors.
-#define AFFINE_TOLERANCE 1e-5
-
 static RfResult read_matrix( const RfField* json, RfNode* node )
 {
     if ( rf_has_member( json, "translation" ) || rf_has_member( json, "rotation" ) || rf_has_member( json, "scale" ) )
         return rf_field_fail( json, "has both a matrix and translation, rotation or scale" );
-    double* m = node->matrix.m;
-    RF_TRY( rf_get_numbers( json, "matrix", rf_any_number(), 16, m ) );
-    if ( fabs( m[3] ) > AFFINE_TOLERANCE || fabs( m[7] ) > AFFINE_TOLERANCE || fabs( m[11] ) > AFFINE_TOLERANCE ||
-         fabs( m[15] - 1.0 ) > AFFINE_TOLERANCE )
+    RF_TRY( rf_get_numbers( json, "matrix", rf_any_number(), 16, node->matrix.m ) );
+    if ( !rf_gltf_make_affine( node->matrix.m ) )
         return rf_field_fail( json, "matrix has a last row other than 0 0 0 1" );
-    m[3] = m[7] = m[11] = 0.0;
-    m[15] = 1.0;
     node->has_matrix = true;
     return RF_OK;
 }

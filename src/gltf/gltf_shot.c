@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "base/words.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
 #include "scene/movement.h"
@@ -207,17 +208,17 @@ static void sort_names( RfScene* scene )
 static void warn_of_frozen( const RfGltf* gltf )
 {
     const RfScene* scene = gltf->scene;
-    char names[MAX_NAMED * 64 + 32] = "", *end = names;
+    char names[MAX_NAMED * 64 + 32] = "";
     int moving = scene->moving_count, count = moving + scene->unrendered_count;
     int listed = count < MAX_NAMED ? count : MAX_NAMED;
     if ( count == 0 )
         return;
     for ( int i = 0; i < listed && i < moving; ++i )
-        end += snprintf( end, 64, "%s'%.50s'", i > 0 ? ", " : "", scene->moving[i] );
+        rf_append( names, sizeof names, "%s'%.50s'", i > 0 ? ", " : "", scene->moving[i] );
     for ( int i = moving; i < listed; ++i )
-        end += snprintf( end, 64, "%s%.50s", i > 0 ? ", " : "", scene->unrendered[i - moving].what );
+        rf_append( names, sizeof names, "%s%.50s", i > 0 ? ", " : "", scene->unrendered[i - moving].what );
     if ( count > listed )
-        snprintf( end, 32, " and %d more", count - listed );
+        rf_append( names, sizeof names, " and %d more", count - listed );
     rf_warn( gltf->log, "%s: %s move%s or change%s: frozen as in the first frame", gltf->path, names, count == 1 ? "s" : "",
              count == 1 ? "s" : "" );
 }

@@ -319,12 +319,8 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
     RfResult result = numbers != NULL && used != NULL && scene->textures != NULL ? RF_OK : rf_gltf_no_memory( gltf, "images" );
     for ( size_t i = 0; result == RF_OK && i < uses; ++i )
         numbers[i] = -1;
-    for ( int k = 0; result == RF_OK && k < rf_triangle_list_count( scene ); ++k )
-    {
-        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
-        for ( uint32_t i = 0; i < t->count; ++i )
-            used[t->material[i]] = true;
-    }
+    if ( result == RF_OK )
+        rf_mark_used_materials( scene, used );
     if ( result == RF_OK && uses > 0 )
         result = check_memory( gltf, used );
     for ( uint32_t m = 0; result == RF_OK && m < scene->material_count; ++m )

@@ -1,7 +1,8 @@
 // KHR_materials_variants: lists the variants of a file, and finds the materials of primitives in the one that is chosen.
 #include "gltf/gltf_document.h"
 
-#include <stdio.h>
+#include "base/words.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,7 +35,6 @@ static RfResult find_chosen( const RfGltf* gltf, const json_t* list, int64_t* ch
     const RfScene* scene = gltf->scene;
     const char* wanted = gltf->options->variant;
     char names[MAX_NAMED * 64 + 32] = "";
-    char* end = names;
     const json_t* item;
     size_t i;
     json_array_foreach( list, i, item )
@@ -43,10 +43,10 @@ static RfResult find_chosen( const RfGltf* gltf, const json_t* list, int64_t* ch
         if ( strcmp( scene->variants[i], wanted ) == 0 ) // as it is listed, where its name is empty too
             return RF_OK;
         if ( i < MAX_NAMED )
-            end += snprintf( end, 64, "%s'%.50s'", i > 0 ? ", " : "", scene->variants[i] );
+            rf_append( names, sizeof names, "%s'%.50s'", i > 0 ? ", " : "", scene->variants[i] );
     }
     if ( i > MAX_NAMED )
-        snprintf( end, 32, " and %zu more", i - MAX_NAMED );
+        rf_append( names, sizeof names, " and %zu more", i - MAX_NAMED );
     return rf_gltf_fail( gltf, RF_ERROR_USAGE, EXTENSION, "none is called '%.80s'%s%s", wanted,
                          i > 0 ? ": there are " : ": there are none", names );
 }

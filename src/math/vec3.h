@@ -19,6 +19,12 @@ static inline RfVec3 rf_load_vec3( const float* array, uint32_t index )
     return rf_vec3( array[3 * (size_t)index], array[3 * (size_t)index + 1], array[3 * (size_t)index + 2] );
 }
 
+// Of doubles, times a number.
+static inline RfVec3 rf_vec3_of( const double v[3], double scale )
+{
+    return rf_vec3( (float)( v[0] * scale ), (float)( v[1] * scale ), (float)( v[2] * scale ) );
+}
+
 // Element i of three arrays, or of three pointers to arrays: they are evaluated three times.
 #define RF_GET3( arrays, i ) rf_vec3( ( arrays )[0][i], ( arrays )[1][i], ( arrays )[2][i] )
 #define RF_PUT3( arrays, i, ... )                                                                                                \

@@ -1,12 +1,13 @@
 // A camera of a scene at a moment, as an RfEye: its place, its lens, its shutter. Projections: scene/projection.h.
 #include "scene/camera.h"
 
+#include "base/json.h"
 #include "base/try.h"
-#include "scene/movement.h"
+#include "base/words.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
-#include "base/json.h"
 #include "scene/leave_out.h"
+#include "scene/movement.h"
 #include "scene/projection.h"
 
 #include <math.h>
@@ -103,15 +104,10 @@ void rf_eye_matrices_around( const RfEye* eye, const double origin[3], float wor
 
 static void list_names( const RfScene* scene, char* text, size_t size )
 {
-    size_t used = 0;
-    int listed = scene->camera_count < NAMES_LISTED ? scene->camera_count : NAMES_LISTED;
-    for ( int i = 0; i < listed && used < size; ++i )
-    {
-        int n = snprintf( text + used, size - used, "%s'%.40s'", i > 0 ? ", " : "", scene->cameras[i].name );
-        used += n > 0 ? (size_t)n : 0;
-    }
-    if ( listed < scene->camera_count && used < size )
-        snprintf( text + used, size - used, " and %d more", scene->camera_count - listed );
+    for ( int i = 0; i < scene->camera_count && i < NAMES_LISTED; ++i )
+        rf_append( text, size, "%s'%.40s'", i > 0 ? ", " : "", scene->cameras[i].name );
+    if ( scene->camera_count > NAMES_LISTED )
+        rf_append( text, size, " and %d more", scene->camera_count - NAMES_LISTED );
 }
 
 static int default_camera( const RfScene* scene )
@@ -146,7 +142,7 @@ RfResult rf_find_camera( const RfScene* scene, const char* name, int* index, RfE
             return RF_OK;
         }
     }
-    char names[640];
+    char names[640] = "";
     list_names( scene, names, sizeof names );
     return rf_fail( error, RF_ERROR_USAGE, "%s: has no camera '%.60s': choose one of %s", path, name, names );
 }
@@ -237,8 +233,6 @@ static bool unit_axis( const double* column, double sign, double axis[3] )
     return true;
 }
 
-static RfVec3 to_vec3( const double v[3] ) { return rf_vec3( (float)v[0], (float)v[1], (float)v[2] ); }
-
 static RfVec3 in_scene( const RfScene* scene, const double v[3] )
 {
     return rf_vec3( (float)( v[0] - scene->origin[0] ), (float)( v[1] - scene->origin[1] ), (float)( v[2] - scene->origin[2] ) );
@@ -308,8 +302,8 @@ static RfResult node_eye( const RfCameraSampling* sampling, double time, RfEye* 
         return rf_fail( error, RF_ERROR_SCENE,
                         "%s: camera '%.60s' at %g s: its field of view is not more than 0: straighten its curve",
                         scene->path != NULL ? scene->path : "scene", self->name, time );
-    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), to_vec3( forward ), to_vec3( up ), yfov, sampling->width,
-                               sampling->height );
+    *eye = rf_make_eye_inline( in_scene( scene, world.m + 12 ), rf_vec3_of( forward, 1.0 ), rf_vec3_of( up, 1.0 ), yfov,
+                               sampling->width, sampling->height );
     project_otherwise( eye, projection, ymag );
     return RF_OK;
 }
@@ -321,8 +315,9 @@ static RfResult track_eye( const RfCameraSampling* sampling, double time, RfEye*
     RF_TRY( rf_sample_camera_track( self->track, time, &view, error ) );
     if ( !in_range( view.position ) )
         return rf_fail( error, RF_ERROR_SCENE, "%s: leads beyond %g: scale it down", self->track->name, MAX_COORDINATE );
-    *eye = rf_make_eye_inline( in_scene( sampling->scene, view.position ), to_vec3( view.forward ), to_vec3( view.up ),
-                               has_fov( view.projection ) ? view.fov : 1.0, sampling->width, sampling->height );
+    *eye = rf_make_eye_inline( in_scene( sampling->scene, view.position ), rf_vec3_of( view.forward, 1.0 ),
+                               rf_vec3_of( view.up, 1.0 ), has_fov( view.projection ) ? view.fov : 1.0, sampling->width,
+                               sampling->height );
     project_otherwise( eye, view.projection, view.fov );
     if ( view.aspect != 1.0 || view.shift[0] != 0.0 || view.shift[1] != 0.0 )
         rf_shift_eye( eye, view.aspect, view.shift[0], view.shift[1] );

@@ -14,7 +14,8 @@
 #define NAMES_LISTED 24
 #define SKY_NAME "environment"
 
-bool rf_is_light_group_name( const char* name )
+// Can a group be called so? 1 to 63 bytes, without commas and control characters.
+static bool is_light_group_name( const char* name )
 {
     size_t length = strlen( name );
     for ( size_t i = 0; i < length; ++i )
@@ -29,7 +30,7 @@ RfResult rf_read_light_group( const RfField* object, const char** name )
 {
     RfField field = rf_field_member( object, "light_group" );
     *name = json_string_value( field.json );
-    if ( field.json == NULL || ( *name != NULL && rf_is_light_group_name( *name ) ) )
+    if ( field.json == NULL || ( *name != NULL && is_light_group_name( *name ) ) )
         return rf_json_result( object );
     return rf_field_must_be( &field, "a name of 1 to 63 bytes without commas" );
 }
@@ -125,12 +126,8 @@ static bool mark_shining( const Grouping* g )
         return false;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
         some = some || is_bright( scene->materials[i].emission ) || scene->materials[i].dims;
-    for ( int k = 0; some && k < rf_triangle_list_count( scene ); ++k )
-    {
-        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
-        for ( uint32_t i = 0; i < t->count; ++i )
-            used[t->material[i]] = true;
-    }
+    if ( some )
+        rf_mark_used_materials( scene, used );
     for ( int i = 0; rf_scene_light( scene, i, &light ); ++i )
     {
         int material = i - scene->punctual_count;
@@ -149,9 +146,8 @@ static const char* tag_of( const RfScene* scene, const RfLightInfo* light )
 
 static void append_name( const char* name, char* text, size_t size, int* listed )
 {
-    size_t used = strlen( text );
-    if ( *listed < NAMES_LISTED && used + strlen( name ) + 8 < size )
-        snprintf( text + used, size - used, "%s'%s'", *listed > 0 ? ", " : "", name );
+    if ( *listed < NAMES_LISTED && strlen( text ) + strlen( name ) + 8 < size )
+        rf_append( text, size, "%s'%s'", *listed > 0 ? ", " : "", name );
     *listed += 1;
 }
 
@@ -187,7 +183,7 @@ static RfResult group_all( const Grouping* g, bool by_lamp )
         const char* name = by_lamp ? light.name : tag_of( g->scene, &light );
         if ( !g->shines[i] || name == NULL )
             continue;
-        if ( !rf_is_light_group_name( name ) )
+        if ( !is_light_group_name( name ) )
             return rf_fail( g->error, RF_ERROR_USAGE,
                             "%s: %s '%.80s' has a name that no light group can have: give it a light_group and ask for that",
                             g->scene->path, light.kind, name );

@@ -31,9 +31,6 @@ typedef struct RfLightGroups
 RfResult rf_find_light_groups( const RfScene* scene, const char* asked, RfLightGroups* groups, RfError* error );
 void rf_destroy_light_groups( RfLightGroups* groups );
 
-// Can a group be called so? 1 to 63 bytes, without commas and control characters.
-bool rf_is_light_group_name( const char* name );
-
 // Reads the member "light_group" of an object; NULL: there is none.
 struct RfField;
 RfResult rf_read_light_group( const struct RfField* object, const char** name );

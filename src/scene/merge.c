@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "scene/deformation.h"
 #include "scene/texture.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"
@@ -16,7 +17,8 @@
 
 #define MOST_TRIANGLES ( 1u << 28 ) // in world space, each with up to three vertices
 
-bool rf_append_vertices( RfTriangles* to, const RfTriangles* from )
+// Appends vertices. Attributes that only one of the lists has are filled in. False if there is no memory.
+static bool append_vertices( RfTriangles* to, const RfTriangles* from )
 {
     size_t before = to->vertex_count, more = from->vertex_count;
     for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
@@ -68,7 +70,7 @@ bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t fir
     to->indices = indices != NULL ? indices : to->indices;
     uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
     to->material = material != NULL ? material : to->material;
-    if ( indices == NULL || material == NULL || !rf_append_vertices( to, from ) )
+    if ( indices == NULL || material == NULL || !append_vertices( to, from ) )
         return false;
     for ( size_t i = 0; i < from->count; ++i )
     {
@@ -310,18 +312,22 @@ static bool put_before( const char* name, char** text )
     return true;
 }
 
+static bool put_before_all( const char* name, char** texts, int count )
+{
+    bool named = true;
+    for ( int i = 0; i < count; ++i )
+        named = named && put_before( name, texts + i );
+    return named;
+}
+
 static RfResult move_notes( const Merge* m, const char* name )
 {
     RfScene *scene = m->scene, *placed = m->placed;
-    bool named = true;
+    bool named = put_before_all( name, placed->moving, placed->moving_count ) &&
+                 put_before_all( name, placed->export_losses, placed->export_loss_count ) &&
+                 put_before_all( name, placed->export_warnings, placed->export_warning_count );
     for ( int i = 0; i < placed->unrendered_count; ++i )
         named = named && put_before( name, &placed->unrendered[i].what );
-    for ( int i = 0; i < placed->moving_count; ++i )
-        named = named && put_before( name, placed->moving + i );
-    for ( int i = 0; i < placed->export_loss_count; ++i )
-        named = named && put_before( name, placed->export_losses + i );
-    for ( int i = 0; i < placed->export_warning_count; ++i )
-        named = named && put_before( name, placed->export_warnings + i );
     if ( !named )
         return no_memory( m );
     MOVE_ITEMS( scene->unrendered, scene->unrendered_count, placed->unrendered, placed->unrendered_count );
@@ -334,13 +340,8 @@ static RfResult move_notes( const Merge* m, const char* name )
 
 static void join_bounds( RfScene* scene, const RfScene* placed, bool first )
 {
-    const RfVec3 *low = &placed->bounds_min, *high = &placed->bounds_max;
-    scene->bounds_min = first ? *low
-                              : rf_vec3( rf_minf( scene->bounds_min.x, low->x ), rf_minf( scene->bounds_min.y, low->y ),
-                                         rf_minf( scene->bounds_min.z, low->z ) );
-    scene->bounds_max = first ? *high
-                              : rf_vec3( rf_maxf( scene->bounds_max.x, high->x ), rf_maxf( scene->bounds_max.y, high->y ),
-                                         rf_maxf( scene->bounds_max.z, high->z ) );
+    rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, first, placed->bounds_min );
+    rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, false, placed->bounds_max );
 }
 
 // Tags are numbered anew, by their names.

@@ -4,9 +4,6 @@
 
 #include "scene/scene.h"
 
-// Appends vertices. Attributes that only one of the lists has are filled in. False if there is no memory.
-bool rf_append_vertices( RfTriangles* to, const RfTriangles* from );
-
 // Gives each triangle vertices of its own. False if there is no memory: the triangles are to be destroyed.
 bool rf_spread_vertices( RfTriangles* t );
 

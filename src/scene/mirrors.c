@@ -1,6 +1,7 @@
 // Flat mirrors, grouped of coplanar specular triangles; boxes around the mirrors and the glass of a scene.
 #include "scene/mirrors.h"
 
+#include "scene/deformation.h"
 #include "scene/moments.h"
 #include "scene/textured.h"
 
@@ -26,21 +27,15 @@ typedef struct Facet
 
 static bool reflects( const RfMaterial* m ) { return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL; }
 
-static RfVec3 corner( const float* values, const uint32_t* index, int k )
-{
-    const float* v = values + 3 * (size_t)index[k];
-    return rf_vec3( v[0], v[1], v[2] );
-}
-
 // False if shading normals would turn the reflection. Where all three are the same, the tracer takes the triangle's own.
 static bool is_flat( const RfTriangles* t, const uint32_t* index, RfVec3 n )
 {
-    RfVec3 first = corner( t->normals, index, 0 );
+    RfVec3 first = rf_load_vec3( t->normals, index[0] );
     float largest2 = 0.0f;
     bool flat = true;
     for ( int k = 0; k < 3; ++k )
     {
-        RfVec3 m = corner( t->normals, index, k ), sine = rf_cross( m, n ), turn = rf_sub( m, first );
+        RfVec3 m = rf_load_vec3( t->normals, index[k] ), sine = rf_cross( m, n ), turn = rf_sub( m, first );
         if ( !( rf_dot( m, n ) > 0.999999f ) )
             return false;
         flat = flat && rf_dot( turn, turn ) == 0.0f;
@@ -53,7 +48,8 @@ static bool is_flat( const RfTriangles* t, const uint32_t* index, RfVec3 n )
 static bool make_facet( const RfTriangles* t, uint32_t triangle, Facet* facet )
 {
     const uint32_t* index = t->indices + 3 * (size_t)triangle;
-    RfVec3 p0 = corner( t->positions, index, 0 ), p1 = corner( t->positions, index, 1 ), p2 = corner( t->positions, index, 2 );
+    RfVec3 p0 = rf_load_vec3( t->positions, index[0] ), p1 = rf_load_vec3( t->positions, index[1] ),
+           p2 = rf_load_vec3( t->positions, index[2] );
     double twice;
     RfVec3 n = rf_unit_cross( rf_sub( p1, p0 ), rf_sub( p2, p0 ), &twice );
     float largest = rf_maxf( rf_largest_coordinate( p0 ), rf_maxf( rf_largest_coordinate( p1 ), rf_largest_coordinate( p2 ) ) );
@@ -87,7 +83,7 @@ static bool lies_in( const RfTriangles* t, const Facet* facet, const RfMirror* m
     const uint32_t* index = t->indices + 3 * (size_t)facet->triangle;
     for ( int k = 0; k < 3; ++k )
     {
-        if ( fabsf( rf_mirror_distance( mirror, corner( t->positions, index, k ) ) ) > MAX_DISTANCE * facet->largest )
+        if ( fabsf( rf_mirror_distance( mirror, rf_load_vec3( t->positions, index[k] ) ) ) > MAX_DISTANCE * facet->largest )
             return false;
     }
     return true;
@@ -230,7 +226,6 @@ static void get_corners( const RfScene* scene, int moment, uint32_t triangle, Rf
 
 static void bound( const RfScene* scene, const uint32_t* triangle, Part* part )
 {
-    RfVec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
     for ( uint32_t i = part->begin; i < part->end; ++i )
     {
         RfVec3 p[3];
@@ -238,12 +233,9 @@ static void bound( const RfScene* scene, const uint32_t* triangle, Part* part )
         {
             if ( k % 3 == 0 )
                 get_corners( scene, k / 3, triangle[i], p );
-            low = rf_vec3( rf_minf( low.x, p[k % 3].x ), rf_minf( low.y, p[k % 3].y ), rf_minf( low.z, p[k % 3].z ) );
-            high = rf_vec3( rf_maxf( high.x, p[k % 3].x ), rf_maxf( high.y, p[k % 3].y ), rf_maxf( high.z, p[k % 3].z ) );
+            rf_grow_bounds( &part->low, &part->high, i == part->begin && k == 0, p[k % 3] );
         }
     }
-    part->low = low;
-    part->high = high;
 }
 
 // Splits a part in the middle of its longest side. False: that leaves out little.

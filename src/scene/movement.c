@@ -20,21 +20,6 @@ void rf_destroy_channel( RfChannel* channel )
     memset( channel, 0, sizeof *channel );
 }
 
-// Index of the last key at or before `time`, which the caller has clamped.
-static int find_key( const RfChannel* channel, double time )
-{
-    int low = 0, high = channel->count - 1;
-    while ( low < high )
-    {
-        int middle = low + ( high - low + 1 ) / 2;
-        if ( channel->times[middle] <= time )
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    return low;
-}
-
 static const double* key_value( const RfChannel* channel, int key )
 {
     int n = channel->components;
@@ -147,7 +132,7 @@ void rf_sample_channel( const RfChannel* channel, double time, double* value )
     if ( time >= channel->times[last] )
         key = last;
     else if ( time > channel->times[0] )
-        key = find_key( channel, time );
+        key = rf_last_not_above( channel->times, last, time );
 
     bool between = key < last && time > channel->times[key];
     if ( between && channel->interpolation != RF_STEP )
@@ -339,7 +324,7 @@ void rf_change_sky( RfEnvironment* sky, RfChangedValue value, const double* v )
     if ( value == RF_CHANGED_SKY_STRENGTH )
         sky->radiance = rf_scale( sky->radiance, (float)v[0] );
     else if ( value == RF_CHANGED_SKY_RADIANCE )
-        sky->radiance = rf_mul( sky->radiance, rf_vec3( (float)v[0], (float)v[1], (float)v[2] ) );
+        sky->radiance = rf_mul( sky->radiance, rf_vec3_of( v, 1.0 ) );
     else
         sky->rotation = (float)fmod( v[0], 2.0 * PI );
 }

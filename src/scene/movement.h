@@ -110,11 +110,7 @@ typedef struct RfMaterialValues
     double alpha_cutoff;
 } RfMaterialValues;
 
-static inline RfVec3 rf_emission_of( const RfMaterialValues* m )
-{
-    return rf_vec3( (float)( m->emissive[0] * m->strength ), (float)( m->emissive[1] * m->strength ),
-                    (float)( m->emissive[2] * m->strength ) );
-}
+static inline RfVec3 rf_emission_of( const RfMaterialValues* m ) { return rf_vec3_of( m->emissive, m->strength ); }
 
 enum
 {

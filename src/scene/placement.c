@@ -1,6 +1,8 @@
 // Which surface a triangle number names: its placement and where that puts it, its node, and what objects are called.
 #include "scene/placement.h"
 
+#include "scene/deformation.h"
+
 #include <stdlib.h>
 
 bool rf_begin_node_run( RfScene* scene, int node )
@@ -128,6 +130,16 @@ RfTriangleList rf_triangle_list( const RfScene* scene, int list )
     return ( RfTriangleList ){ &mesh->triangles, mesh->uses };
 }
 
+void rf_mark_used_materials( const RfScene* scene, bool* used )
+{
+    for ( int k = 0; k < rf_triangle_list_count( scene ); ++k )
+    {
+        const RfTriangles* t = rf_triangle_list( scene, k ).triangles;
+        for ( uint32_t i = 0; i < t->count; ++i )
+            used[t->material[i]] = true;
+    }
+}
+
 // Those of one list, whose numbers begin at `first`.
 static uint32_t list_triangles( const RfScene* scene, const RfTriangles* t, uint32_t first, bool ( *is )( const RfMaterial* ),
                                 uint32_t* numbers )
@@ -167,13 +179,6 @@ uint32_t rf_list_triangles( const RfScene* scene, bool ( *is )( const RfMaterial
     return count;
 }
 
-static void grow( RfScene* scene, RfVec3 p )
-{
-    RfVec3 *low = &scene->bounds_min, *high = &scene->bounds_max;
-    *low = rf_vec3( rf_minf( low->x, p.x ), rf_minf( low->y, p.y ), rf_minf( low->z, p.z ) );
-    *high = rf_vec3( rf_maxf( high->x, p.x ), rf_maxf( high->y, p.y ), rf_maxf( high->z, p.z ) );
-}
-
 static bool is_inside( const RfScene* scene, RfVec3 p )
 {
     return p.x >= scene->bounds_min.x && p.y >= scene->bounds_min.y && p.z >= scene->bounds_min.z && p.x <= scene->bounds_max.x &&
@@ -191,8 +196,8 @@ static void grow_by_placement( RfScene* scene, const RfPlacement* placement )
                             rf_place_point( &placement->matrix, rf_vec3( box[k & 1].x, box[k >> 1 & 1].y, box[k >> 2 & 1].z ) ) );
     const float* p = mesh->triangles.positions;
     for ( uint32_t v = 0; v < mesh->triangles.vertex_count && !inside; ++v )
-        grow( scene,
-              rf_place_point( &placement->matrix, rf_vec3( p[3 * (size_t)v], p[3 * (size_t)v + 1], p[3 * (size_t)v + 2] ) ) );
+        rf_grow_bounds( &scene->bounds_min, &scene->bounds_max, false,
+                        rf_place_point( &placement->matrix, rf_load_vec3( p, v ) ) );
 }
 
 static void bound_placements( RfScene* scene )

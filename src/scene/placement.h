@@ -127,4 +127,7 @@ void rf_list_material_indices( const RfScene* scene, float* of_material ); // ma
 // Marks the nodes that surfaces are of: node_count + 1, from node −1 on.
 void rf_mark_objects( const RfScene* scene, bool* has_surfaces );
 
+// Marks the materials that some triangle has.
+void rf_mark_used_materials( const RfScene* scene, bool* used );
+
 #endif

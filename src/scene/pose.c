@@ -79,7 +79,7 @@ static const char* place_lamp( const RfScene* scene, const RfMat4* world, RfPunc
         if ( !( fabs( at[c] ) <= RF_MAX_COORDINATE ) )
             return "it is too far from the origin: scale the scene down";
     }
-    out->position = rf_vec3( (float)at[0], (float)at[1], (float)at[2] );
+    out->position = rf_vec3_of( at, 1.0 );
     if ( out->kind == RF_PUNCTUAL_POINT && !out->turned )
         return NULL;
     return rf_turn_lamp( m, out ) ? NULL : "it has no direction: remove zero scales from its node and from its parents";
@@ -90,7 +90,7 @@ static const char* pose_lamp( const RfScene* scene, const RfMovingLamp* lamp, co
 {
     const RfMovement* movement = scene->movement;
     RfLampValues now = lamp->values;
-    const double *color = now.color, *cone = now.cone;
+    const double* cone = now.cone;
     if ( lamp->node >= 0 && !nodes->shown[lamp->node] )
     {
         out->intensity = rf_vec3( 0.0f, 0.0f, 0.0f );
@@ -105,8 +105,7 @@ static const char* pose_lamp( const RfScene* scene, const RfMovingLamp* lamp, co
         memcpy( rf_value_in( &now, (RfChangedValue)v ), all,
                 (size_t)rf_changed_traits( (RfChangedValue)v )->components * sizeof *all );
     }
-    out->intensity =
-        rf_vec3( (float)( color[0] * now.intensity ), (float)( color[1] * now.intensity ), (float)( color[2] * now.intensity ) );
+    out->intensity = rf_vec3_of( now.color, now.intensity );
     out->range = (float)fmin( now.range, HUGE_VAL );
     if ( !( out->range > 0.0f ) )
         return "its range is not more than 0";

@@ -111,6 +111,13 @@ void rf_destroy_camera( RfCamera* camera )
     memset( camera, 0, sizeof *camera );
 }
 
+static void free_texts( char** texts, int count )
+{
+    for ( int i = 0; i < count; ++i )
+        free( texts[i] );
+    free( texts );
+}
+
 void rf_destroy_scene( RfScene* scene )
 {
     if ( scene == NULL )
@@ -158,21 +165,11 @@ void rf_destroy_scene( RfScene* scene )
     free( scene->nodes );
     free( scene->channels );
     free( scene->cameras );
-    for ( int i = 0; i < scene->moving_count; ++i )
-        free( scene->moving[i] );
-    free( scene->moving );
-    for ( int i = 0; i < scene->variant_count; ++i )
-        free( scene->variants[i] );
-    free( scene->variants );
-    for ( int i = 0; i < scene->export_loss_count; ++i )
-        free( scene->export_losses[i] );
-    free( scene->export_losses );
-    for ( int i = 0; i < scene->export_warning_count; ++i )
-        free( scene->export_warnings[i] );
-    free( scene->export_warnings );
-    for ( int i = 0; i < scene->light_group_count; ++i )
-        free( scene->light_groups[i] );
-    free( scene->light_groups );
+    free_texts( scene->moving, scene->moving_count );
+    free_texts( scene->variants, scene->variant_count );
+    free_texts( scene->export_losses, scene->export_loss_count );
+    free_texts( scene->export_warnings, scene->export_warning_count );
+    free_texts( scene->light_groups, scene->light_group_count );
     free( scene->path );
     memset( scene, 0, sizeof *scene );
 }

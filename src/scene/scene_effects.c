@@ -92,12 +92,11 @@ RfResult rf_parse_effects( const char* text, uint64_t* effects, RfError* error )
 
 void rf_format_effects( uint64_t effects, char* text, size_t size )
 {
-    size_t used = 0;
     text[0] = '\0';
-    for ( int i = 0; i < RF_EFFECT_COUNT && used < size; ++i )
+    for ( int i = 0; i < RF_EFFECT_COUNT; ++i )
     {
         if ( ( effects & RF_EFFECT_BIT( i ) ) != 0 )
-            used += (size_t)snprintf( text + used, size - used, "%s%s", used > 0 ? "," : "", s_rows[i].name );
+            rf_append( text, size, "%s%s", text[0] != '\0' ? "," : "", s_rows[i].name );
     }
 }
 

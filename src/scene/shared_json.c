@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "base/words.h"
 #include "image/decode.h"
 #include "reframe/image.h"
 #include "scene/movement.h"
@@ -59,39 +60,27 @@ static RfResult open_channel( const RfField* keys, const RfKeyed* kind, RfChanne
     return channel->times != NULL && channel->values != NULL ? RF_OK : rf_field_no_memory( keys );
 }
 
-// "a, b or c".
-static RfResult fail_without_value( const RfField* key, const RfKeyed* kinds, int count )
-{
-    char names[160];
-    size_t used = 0;
-    names[0] = 0;
-    for ( int i = 0; i < count && used < sizeof names; ++i )
-    {
-        const char* before = i == 0 ? "" : i + 1 < count ? ", " : " or ";
-        used += (size_t)snprintf( names + used, sizeof names - used, "%s%s", before, kinds[i].name );
-    }
-    return rf_field_fail( key, "has no %s: give it one, or leave it out", names );
-}
-
 static RfResult read_key( const RfField* key, double seconds, const RfKeyed* kinds, int count, RfChannel* channels )
 {
+    const char* names[MAX_KINDS + 1] = { NULL };
+    char list[160] = "";
     bool any = false;
     for ( int i = 0; i < count; ++i )
     {
         RfChannel* channel = channels + i;
         double value[MAX_COMPONENTS] = { 0 };
         RfField field = rf_field_member( key, kinds[i].name );
+        names[i] = kinds[i].name;
         if ( field.json == NULL )
             continue;
-        RfResult result = rf_read_keyed( &field, kinds + i, value );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( rf_read_keyed( &field, kinds + i, value ) );
         size_t n = (size_t)channel->components;
         memcpy( channel->values + n * (size_t)channel->count, value, n * sizeof *value );
         channel->times[channel->count++] = seconds;
         any = true;
     }
-    return any ? RF_OK : fail_without_value( key, kinds, count );
+    rf_append_words( list, sizeof list, names, ", ", " or " );
+    return any ? RF_OK : rf_field_fail( key, "has no %s: give it one, or leave it out", list );
 }
 
 static RfResult read_all( const RfField* keys, RfFps fps, const RfKeyed* kinds, int kind_count, RfChannel* channels,
@@ -207,8 +196,6 @@ RfResult rf_read_keys( const RfField* object, RfFps fps, const RfKeyed* kinds, i
 // Brighter radiance would overflow when floats are squared.
 #define MAX_RADIANCE 1e15
 
-#define PI 3.14159265358979323846
-
 // Those of its values that change, from RF_CHANGED_SKY_STRENGTH on.
 enum
 {
@@ -271,11 +258,9 @@ RfResult rf_read_environment( const RfField* object, bool in_gltf, RfFps fps, Rf
         RfField field = rf_field_member( object, kinds[i].name );
         rf_read_keyed( &field, kinds + i, values[i] );
     }
-    const double *radiance = values[RADIANCE], strength = values[STRENGTH][0];
     RF_TRY( rf_json_result( object ) );
     text->environment = ( RfEnvironment ){
-        .radiance =
-            rf_vec3( (float)( radiance[0] * strength ), (float)( radiance[1] * strength ), (float)( radiance[2] * strength ) ),
+        .radiance = rf_vec3_of( values[RADIANCE], values[STRENGTH][0] ),
         .rotation = (float)fmod( values[ROTATION][0], 2.0 * PI ),
         .hidden = !visible,
     };

@@ -82,11 +82,6 @@ static double factor_at( const Point* p, RfTextureSlot slot, int channel, double
     return look_up_slot( p, slot, rgba ) ? unit( factor * (double)rgba[channel] ) : factor;
 }
 
-static RfVec3 scaled( const double rgb[3], double s )
-{
-    return rf_vec3( (float)( rgb[0] * s ), (float)( rgb[1] * s ), (float)( rgb[2] * s ) );
-}
-
 // What a GGX lobe of white facets reflects of uniform light, the rest being lost among them: a fit, 0.005 off at most.
 static double white_albedo( double alpha ) { return 1.0 / ( 1.0 + alpha * ( 0.156 + alpha * ( 1.536 - 0.262 * alpha ) ) ); }
 
@@ -115,12 +110,12 @@ static inline __attribute__( ( always_inline ) ) void derive_lobes( const RfFact
         diffuse[i] = ( 1.0 - m ) * here[i];
         f0[i] = ( 1.0 - m ) * dielectric + m * in->base[i];
     }
-    out->diffuse = rf_vec3( (float)diffuse[0], (float)diffuse[1], (float)diffuse[2] );
-    out->specular = rf_vec3( (float)f0[0], (float)f0[1], (float)f0[2] );
+    out->diffuse = rf_vec3_of( diffuse, 1.0 );
+    out->specular = rf_vec3_of( f0, 1.0 );
     out->f90 = (float)( ( 1.0 - m ) * in->specular + m );
     if ( translucent )
     {
-        out->through = scaled( in->through_color, in->through * ( 1.0 - m ) );
+        out->through = rf_vec3_of( in->through_color, in->through * ( 1.0 - m ) );
         for ( int i = 0; i < 3; ++i )
             here[i] += in->through * in->through_color[i];
     }
@@ -200,9 +195,9 @@ void rf_derive_glass( const RfFactors* f, double transmission, RfMaterial* out )
 {
     double dielectric = 1.0 - f->metallic;
     out->alpha = f->roughness < RF_SMOOTH_ROUGHNESS ? 0.0f : (float)( f->roughness * f->roughness );
-    out->tint = scaled( f->base, transmission * dielectric );
-    out->diffuse = scaled( f->base, ( 1.0 - transmission ) * dielectric );
-    out->specular = scaled( f->base, f->metallic );
+    out->tint = rf_vec3_of( f->base, transmission * dielectric );
+    out->diffuse = rf_vec3_of( f->base, ( 1.0 - transmission ) * dielectric );
+    out->specular = rf_vec3_of( f->base, f->metallic );
     out->f90 = (float)f->metallic;
     out->coat_f0 = (float)( 1.0 - transmission );
     out->coat_f90 = (float)( 1.0 - lesser( f->specular, 1.0 ) );
@@ -218,7 +213,7 @@ static void glass_at( const Point* p, const RfFactors* f, RfMaterial* out )
 {
     if ( out->ior == 0.0f ) // a mirror: textures do not affect its roughness
     {
-        out->specular = scaled( f->base, 1.0 );
+        out->specular = rf_vec3_of( f->base, 1.0 );
         return;
     }
     rf_derive_glass( f, factor_at( p, RF_TEXTURE_TRANSMISSION, 0, p->m->textured->transmission ), out );
@@ -231,7 +226,7 @@ static float sheen_alpha( double roughness )
 
 static void derive_sheen( const RfFactors* f, RfMaterial* out )
 {
-    out->sheen = scaled( f->sheen_color, 1.0 );
+    out->sheen = rf_vec3_of( f->sheen_color, 1.0 );
     out->sheen_alpha = sheen_alpha( f->sheen_roughness );
 }
 
@@ -324,7 +319,7 @@ void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangl
     {
         case RF_TEXTURED_COATED: rf_derive_lobes( &f, out ); break;
         case RF_TEXTURED_GLASS: glass_at( &p, &f, out ); break;
-        case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, scaled( f.base, 1.0 ) ); break;
+        case RF_TEXTURED_DIFFUSE: out->diffuse = rf_mul( m->diffuse, rf_vec3_of( f.base, 1.0 ) ); break;
         case RF_TEXTURED_UNLIT: break;
     }
     if ( m->kind > RF_BSDF_GGX && m->kind != RF_BSDF_GLASS )
@@ -339,11 +334,11 @@ void rf_derive_material( RfMaterial* m )
         case RF_TEXTURED_COATED: rf_derive_lobes( &t->factors, m ); break;
         case RF_TEXTURED_GLASS:
             if ( m->ior == 0.0f )
-                m->specular = scaled( t->factors.base, 1.0 );
+                m->specular = rf_vec3_of( t->factors.base, 1.0 );
             else
                 rf_derive_glass( &t->factors, t->transmission, m );
             break;
-        case RF_TEXTURED_UNLIT: m->emission = scaled( t->factors.base, 1.0 ); break;
+        case RF_TEXTURED_UNLIT: m->emission = rf_vec3_of( t->factors.base, 1.0 ); break;
         case RF_TEXTURED_DIFFUSE: break;
     }
 }
@@ -395,7 +390,7 @@ RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t trian
     {
         double base[4];
         base_at( &p, base );
-        return scaled( base, 1.0 );
+        return rf_vec3_of( base, 1.0 );
     }
     float rgba[4];
     if ( !look_up_slot( &p, RF_TEXTURE_EMISSIVE, rgba ) )

@@ -193,15 +193,15 @@ static bool find_number( const char* text, size_t count, int* index )
 
 static RfResult fail_several( const RfField* field, const char* name, const json_t* nodes )
 {
-    char text[NAMES_LISTED * 32];
-    size_t used = 0, i;
+    char text[NAMES_LISTED * 32] = "";
+    size_t i;
     int found = 0;
     const json_t* node;
     json_array_foreach( nodes, i, node )
     {
         const char* own = json_string_value( json_object_get( node, "name" ) );
         if ( strcmp( own != NULL ? own : "", name ) == 0 && found++ < NAMES_LISTED )
-            used += (size_t)snprintf( text + used, sizeof text - used, "%snodes[%zu]", found > 1 ? ", " : "", i );
+            rf_append( text, sizeof text, "%snodes[%zu]", found > 1 ? ", " : "", i );
     }
     return rf_field_fail( field, "%d nodes are called '%.60s': give the number of one: %s%s", found, name, text,
                           found > NAMES_LISTED ? " and so on" : "" );

@@ -108,15 +108,9 @@ double rf_optics_radius( const RfOptics* optics, const RfEye* eye )
 
 void rf_destroy_camera_track( RfCameraTrack* track )
 {
-    rf_destroy_curve( &track->position );
-    rf_destroy_curve( &track->target );
-    rf_destroy_curve( &track->up );
-    rf_destroy_curve( &track->rotation );
-    rf_destroy_curve( &track->fov );
-    rf_destroy_curve( track->shift );
-    rf_destroy_curve( track->shift + 1 );
-    rf_destroy_curve( &track->focus );
-    rf_destroy_curve( &track->fstop );
+    RfCurve* const curves[] = CURVES( track );
+    for ( size_t i = 0; i < sizeof curves / sizeof curves[0]; ++i )
+        rf_destroy_curve( curves[i] );
     rf_destroy_optics( &track->optics );
     rf_destroy_waypoints( &track->walk );
     free( track->cuts );

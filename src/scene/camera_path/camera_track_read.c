@@ -264,13 +264,16 @@ static RfResult read_look( const RfField* top, const double* fallback, RfCameraT
 
 #define MAX_WAYPOINTS 10000
 
-static const char* const s_span[] = { "duration", "frames", NULL };
+// The members that movements share.
+#define LOOK "target", "rotation", "up"
+#define FILM "projection", "fov", "ymag"
+#define SPAN "duration", "frames"
 
-// Reads a movement.
+static const char* const s_span[] = { SPAN, NULL };
+
 static RfResult read_orbit( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "center",     "radius", "height", "start",    "turn",   "target", "rotation",
-                                          "up",   "projection", "fov",    "ymag",   "duration", "frames", "lens",   NULL };
+    static const char* const s_keys[] = { "kind", "center", "radius", "height", "start", "turn", LOOK, FILM, SPAN, "lens", NULL };
     RfOrbit* orbit = &track->orbit;
     double start = 0.0, turn = 360.0;
     rf_field_keys( top, s_keys );
@@ -287,11 +290,9 @@ static RfResult read_orbit( const RfField* top, RfCameraTrack* track )
     return read_span( top, s_span, track );
 }
 
-// Reads a dolly.
 static RfResult read_dolly( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "from", "to",       "target", "rotation", "up", "projection",
-                                          "fov",  "ymag", "duration", "frames", "lens",     NULL };
+    static const char* const s_keys[] = { "kind", "from", "to", LOOK, FILM, SPAN, "lens", NULL };
     double ends[6];
     rf_field_keys( top, s_keys );
     read_point( top, "from", ends );
@@ -302,11 +303,9 @@ static RfResult read_dolly( const RfField* top, RfCameraTrack* track )
     return read_span( top, s_span, track );
 }
 
-// Reads a zoom.
 static RfResult read_zoom( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind", "position", "target",   "rotation", "up",   "projection",
-                                          "fov",  "ymag",     "duration", "frames",   "lens", NULL };
+    static const char* const s_keys[] = { "kind", "position", LOOK, FILM, SPAN, "lens", NULL };
     double position[3];
     rf_field_keys( top, s_keys );
     read_point( top, "position", position );
@@ -358,12 +357,10 @@ static RfResult read_walk_look( const RfField* top, RfCameraTrack* track )
     return constant_curve( top, RF_CURVE_POINT, up, &track->up );
 }
 
-// Reads a walk along waypoints.
 static RfResult read_walk( const RfField* top, RfCameraTrack* track )
 {
-    static const char* const s_keys[] = { "kind",     "waypoints", "interpolation", "look_ahead", "target",
-                                          "rotation", "up",        "projection",    "fov",        "ymag",
-                                          "speed",    "duration",  "frames",        "lens",       NULL };
+    static const char* const s_keys[] = { "kind",  "waypoints", "interpolation", "look_ahead", LOOK, FILM,
+                                          "speed", SPAN,        "lens",          NULL };
     static const char* const s_walk_span[] = { "duration", "frames", "speed", NULL };
     rf_field_keys( top, s_keys );
     RF_TRY( read_waypoints( top, track ) );

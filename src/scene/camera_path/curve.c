@@ -220,16 +220,16 @@ static double knot_at( const RfCurve* curve, int segment, double time )
     return fmin( fmax( y, fmin( y0, y1 ) ), fmax( y0, y1 ) ); // rounding must not leave the segment
 }
 
-static int find_segment( const RfCurve* curve, double time )
+int rf_last_not_above( const double* values, int last, double x )
 {
-    int low = 0, high = curve->count - 2;
-    while ( low < high )
+    int low = 0;
+    while ( low < last )
     {
-        int middle = low + ( high - low + 1 ) / 2;
-        if ( curve->times[middle] <= time )
+        int middle = low + ( last - low + 1 ) / 2;
+        if ( values[middle] <= x )
             low = middle;
         else
-            high = middle - 1;
+            last = middle - 1;
     }
     return low;
 }
@@ -274,7 +274,7 @@ void rf_sample_curve( const RfCurve* curve, double time, double* value )
     if ( key >= 0 )
         memcpy( value, key_of( curve, key ), (size_t)curve->kind * sizeof *value );
     else
-        sample_segment( curve, find_segment( curve, time ), time, value );
+        sample_segment( curve, rf_last_not_above( curve->times, last - 1, time ), time, value );
 }
 
 // Pieces per segment, and the number of iterations to find a length within a piece: within
@@ -349,20 +349,6 @@ void rf_destroy_waypoints( RfWaypoints* waypoints )
     *waypoints = ( RfWaypoints ){ 0 };
 }
 
-static int find_piece( const RfWaypoints* waypoints, double length )
-{
-    int low = 0, high = waypoints->piece_count - 1;
-    while ( low < high )
-    {
-        int middle = low + ( high - low + 1 ) / 2;
-        if ( waypoints->lengths[middle] <= length )
-            low = middle;
-        else
-            high = middle - 1;
-    }
-    return low;
-}
-
 // The knot at arc length `length` from the start of a piece: Newton's method, with bisection
 // when it leaves the bracket.
 static double find_knot( const RfWaypoints* waypoints, int segment, double from, double to, double length, double whole )
@@ -407,7 +393,7 @@ void rf_waypoint_position( const RfWaypoints* waypoints, double length, double p
         extrapolate( waypoints, last, waypoints->curve.knots[last + 1], length - waypoints->length, point );
         return;
     }
-    int piece = find_piece( waypoints, length ), segment = piece / PIECES;
+    int piece = rf_last_not_above( waypoints->lengths, waypoints->piece_count - 1, length ), segment = piece / PIECES;
     double from = piece_knot( waypoints, segment, piece % PIECES ), to = piece_knot( waypoints, segment, piece % PIECES + 1 );
     double knot = find_knot( waypoints, segment, from, to, length - waypoints->lengths[piece],
                              waypoints->lengths[piece + 1] - waypoints->lengths[piece] );

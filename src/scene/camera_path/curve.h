@@ -46,6 +46,9 @@ void rf_part_curve( RfCurve* curve, int first, int count );
 
 void rf_destroy_curve( RfCurve* curve );
 
+// The last of the ascending values from the first to `last` that is not above `x`; the first where all are.
+int rf_last_not_above( const double* values, int last, double x );
+
 // The value at a time, clamped to the first and the last key.
 void rf_sample_curve( const RfCurve* curve, double time, double* value );
 
