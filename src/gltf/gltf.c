@@ -85,9 +85,7 @@ static RfResult open_edits( RfGltf* gltf, const RfField* all, const char* kind, 
     snprintf( want, sizeof want, "an object of %.9ss by name", kind );
     if ( !json_is_object( all->json ) )
         return rf_field_must_be( &named, want );
-    *edits = calloc( json_array_size( list ) + 1, sizeof **edits );
-    if ( *edits == NULL )
-        return rf_gltf_no_memory( gltf, kind );
+    RF_TRY( rf_gltf_allocate( gltf, kind, edits, json_array_size( list ), sizeof **edits ) );
     json_object_foreach( (json_t*)all->json, name, value )
     {
         RfField edit = rf_field_member( &named, name );

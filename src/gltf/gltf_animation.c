@@ -32,18 +32,14 @@ typedef struct Loader
 static RfResult read_times( RfGltf* gltf, int index, const char* where, RfChannel* channel )
 {
     const RfGltfAccessor* accessor = gltf->accessors + index;
-    channel->times = malloc( (size_t)channel->count * sizeof *channel->times );
-    if ( channel->times == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    RF_TRY( rf_gltf_allocate( gltf, where, &channel->times, (size_t)channel->count, sizeof *channel->times ) );
     if ( accessor->component_type != 5126 )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "input accessors[%d] must be floats", index );
     double last = -1.0;
     for ( int i = 0; i < channel->count; ++i )
     {
         float time;
-        RfResult result = rf_gltf_read_floats( gltf, index, (uint32_t)i, &time );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( rf_gltf_read_floats( gltf, index, (uint32_t)i, &time ) );
         if ( time < 0.0f || (double)time <= last )
             return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where,
                                  "input accessors[%d], key %d is at %g s: times must be at "
@@ -83,9 +79,7 @@ static RfResult read_values( RfGltf* gltf, int index, const char* where, RfChann
     if ( accessor->count != elements )
         return rf_gltf_fail( gltf, RF_ERROR_FORMAT, where, "output accessors[%d] has %u elements, %lld are needed", index,
                              accessor->count, (long long)elements );
-    channel->values = malloc( (size_t)elements * (size_t)components * sizeof *channel->values );
-    if ( channel->values == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    RF_TRY( rf_gltf_allocate( gltf, where, &channel->values, (size_t)elements * (size_t)components, sizeof *channel->values ) );
     for ( int i = 0; i < elements; ++i )
     {
         float value[4];
@@ -451,9 +445,7 @@ static RfResult find_conflict( RfGltf* gltf, const Loader* loader, const RfField
         RfField channel = rf_field_item( channels, i );
         if ( !json_is_object( channel.json ) )
             return rf_field_fail( &channel, "must be an object" );
-        RfResult result = read_target( gltf, &channel, &target );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( read_target( gltf, &channel, &target ) );
         int owner = target.wanted ? find_owner( loader, &target.change ) : -1;
         *other = owner != GIVEN ? owner : -1;
     }

@@ -154,9 +154,7 @@ static RfResult collect( const RfGltf* gltf, const char* where, const RfGltfPrim
             if ( deltas->accessor[k] < 0 )
                 continue;
             float* value = deltas->values[k] + 3 * (size_t)deltas->count;
-            RfResult result = rf_gltf_read_floats( gltf, deltas->accessor[k], primitive->sources[v], value );
-            if ( result != RF_OK )
-                return result;
+            RF_TRY( rf_gltf_read_floats( gltf, deltas->accessor[k], primitive->sources[v], value ) );
             changed = changed || value[0] != 0.0f || value[1] != 0.0f || value[2] != 0.0f;
         }
         if ( changed )
@@ -273,9 +271,7 @@ static RfResult read_inverse_binds( RfGltf* gltf, const RfField* json, RfSkin* s
 RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement )
 {
     int count = gltf->counts[RF_GLTF_SKINS_LIST];
-    movement->skins = calloc( (size_t)count + 1, sizeof *movement->skins );
-    if ( movement->skins == NULL )
-        return rf_gltf_no_memory( gltf, "skins" );
+    RF_TRY( rf_gltf_allocate( gltf, "skins", &movement->skins, (size_t)count, sizeof *movement->skins ) );
     movement->skin_count = count;
     for ( int i = 0; i < count; ++i )
     {
@@ -712,9 +708,7 @@ static RfResult begin_deformation( const Reader* r, const json_t* primitives, co
     }
     int count;
     RF_TRY( rf_gltf_mesh_targets( r->gltf, r->gltf->uses[r->shape->use].mesh, &count ) );
-    deformation->targets = calloc( (size_t)count + 1, sizeof *deformation->targets );
-    if ( deformation->targets == NULL )
-        return rf_gltf_no_memory( r->gltf, where );
+    RF_TRY( rf_gltf_allocate( r->gltf, where, &deformation->targets, (size_t)count, sizeof *deformation->targets ) );
     deformation->target_count = count;
     return RF_OK;
 }

@@ -139,9 +139,8 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
                              uri );
     const char* slash = strrchr( gltf->path, '/' );
     size_t folder = slash != NULL ? (size_t)( slash - gltf->path ) + 1 : 0;
-    char* text = malloc( folder + strlen( uri ) + 1 );
-    if ( text == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    char* text;
+    RF_TRY( rf_gltf_allocate( gltf, where, &text, folder + strlen( uri ), sizeof *text ) );
     memcpy( text, gltf->path, folder );
     strcpy( text + folder, uri );
 
@@ -259,15 +258,11 @@ static RfResult load_buffer( RfGltf* gltf, int index, uint64_t* room )
 RfResult rf_gltf_load_buffers( RfGltf* gltf )
 {
     int count = gltf->counts[RF_GLTF_BUFFERS];
-    gltf->buffers = calloc( (size_t)count + 1, sizeof *gltf->buffers );
-    if ( gltf->buffers == NULL )
-        return rf_gltf_no_memory( gltf, "buffers" );
+    RF_TRY( rf_gltf_allocate( gltf, "buffers", &gltf->buffers, (size_t)count, sizeof *gltf->buffers ) );
     uint64_t room = MAX_BUFFER_BYTES;
     for ( int i = 0; i < count; ++i )
     {
-        RfResult result = load_buffer( gltf, i, &room );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( load_buffer( gltf, i, &room ) );
     }
     size_t views = (size_t)gltf->counts[RF_GLTF_BUFFER_VIEWS];
     gltf->unpacked = calloc( 1, sizeof *gltf->unpacked + views * sizeof gltf->unpacked->views[0] );
@@ -495,9 +490,8 @@ static RfResult unpack( const RfGltf* gltf, const RfField* view, const RfField* 
         return rf_field_fail( view, "byteLength is %lld, but %llu elements of %llu bytes are compressed", (long long)length,
                               (unsigned long long)packed.count, (unsigned long long)packed.stride );
     RF_TRY( rf_gltf_take_room( gltf, extension->path, bytes ) );
-    uint8_t* decoded = malloc( bytes );
-    if ( decoded == NULL )
-        return rf_gltf_no_memory( gltf, extension->path );
+    uint8_t* decoded;
+    RF_TRY( rf_gltf_allocate( gltf, extension->path, &decoded, bytes, sizeof *decoded ) );
     if ( !decode( &packed, decoded ) )
     {
         free( decoded );

@@ -68,6 +68,13 @@ bool rf_gltf_grow( void* list, int count, size_t size )
     return grown != NULL;
 }
 
+RfResult rf_gltf_allocate( const RfGltf* gltf, const char* where, void* list, size_t count, size_t size )
+{
+    void* made = calloc( count + 1, size );
+    memcpy( list, &made, sizeof made );
+    return made != NULL ? RF_OK : rf_gltf_no_memory( gltf, where );
+}
+
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where )
 {
     return rf_gltf_fail( gltf, RF_ERROR_MEMORY, where, "out of memory: close other programs" );
@@ -414,29 +421,17 @@ static RfWhere name_item( const json_t* item, const char* list, const char* kind
     return name != NULL && name[0] != 0 ? rf_where( "%s '%.60s'", kind, name ) : rf_where( "%s[%zu]", list, i );
 }
 
-static bool find_in_list( const json_t* list, const char* extension, const char* list_name, const char* kind, RfWhere* user )
+// Of `count` items, in an order or as they are listed.
+static bool find_in_list( const json_t* list, const int* order, size_t count, const char* extension, const char* const names[2],
+                          RfWhere* user )
 {
-    const json_t* item;
-    size_t i;
-    json_array_foreach( list, i, item )
+    for ( size_t i = 0; i < count; ++i )
     {
+        size_t at = order != NULL ? (size_t)order[i] : i;
+        const json_t* item = json_array_get( list, at );
         if ( !uses( item, extension ) )
             continue;
-        *user = name_item( item, list_name, kind, i );
-        return true;
-    }
-    return false;
-}
-
-// Of the default scene: nothing is lost with others.
-static bool find_in_nodes( const RfGltf* gltf, const char* extension, RfWhere* user )
-{
-    for ( int i = 0; i < gltf->order_count; ++i )
-    {
-        const json_t* item = rf_gltf_item( gltf, RF_GLTF_NODES, gltf->order[i] );
-        if ( !uses( item, extension ) )
-            continue;
-        *user = name_item( item, "nodes", "node", (size_t)gltf->order[i] );
+        *user = name_item( item, names[0], names[1], at );
         return true;
     }
     return false;
@@ -445,6 +440,7 @@ static bool find_in_nodes( const RfGltf* gltf, const char* extension, RfWhere* u
 // The first object with an extension, in words: "material 'paint'" or "nodes[3]".
 static bool find_user( const RfGltf* gltf, const char* extension, RfWhere* user )
 {
+    static const char *const s_nodes[2] = { "nodes", "node" }, *const s_lights[2] = { "lights", "light" };
     static const char* const s_lists[][2] = {
         { "materials", "material" }, { "meshes", "mesh" },          { "textures", "texture" }, { "images", "image" },
         { "cameras", "camera" },     { "animations", "animation" }, { "scenes", "scene" },     { "skins", "skin" },
@@ -452,12 +448,14 @@ static bool find_user( const RfGltf* gltf, const char* extension, RfWhere* user 
     };
     const json_t* own = json_object_get( gltf->root, "extensions" );
     const json_t* lights = json_object_get( json_object_get( own, "KHR_lights_punctual" ), "lights" );
-    if ( find_in_nodes( gltf, extension, user ) || find_in_list( lights, extension, "lights", "light", user ) )
+    // of the nodes, those of the default scene: nothing is lost with others
+    if ( find_in_list( gltf->lists[RF_GLTF_NODES], gltf->order, (size_t)gltf->order_count, extension, s_nodes, user ) ||
+         find_in_list( lights, NULL, json_array_size( lights ), extension, s_lights, user ) )
         return true;
     for ( size_t k = 0; k < COUNT_OF( s_lists ); ++k )
     {
         const json_t* list = json_object_get( gltf->root, s_lists[k][0] );
-        if ( find_in_list( list, extension, s_lists[k][0], s_lists[k][1], user ) )
+        if ( find_in_list( list, NULL, json_array_size( list ), extension, s_lists[k], user ) )
             return true;
     }
     *user = rf_where( "the file" );

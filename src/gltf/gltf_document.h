@@ -209,6 +209,9 @@ RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char*
 // Makes room for one more in a list that grows only by this, whose address is given; false: there is no memory.
 bool rf_gltf_grow( void* list, int count, size_t size );
 
+// Allocates `count` items of zeros, and room for one more, for a list whose address is given. Fails with RF_ERROR_MEMORY.
+RfResult rf_gltf_allocate( const RfGltf* gltf, const char* where, void* list, size_t count, size_t size );
+
 // Fails with RF_ERROR_MEMORY.
 RfResult rf_gltf_no_memory( const RfGltf* gltf, const char* where );
 

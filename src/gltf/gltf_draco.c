@@ -111,9 +111,8 @@ static RfResult copy_attribute( RfGltf* gltf, int declared, RfGltfUnpackedView* 
     if ( points != layout.count )
         rf_gltf_notice( gltf, "%s has a count of %u, its compressed mesh %u vertices, which are taken", json.path, layout.count,
                         points );
-    uint8_t* values = malloc( bytes + 1 );
-    if ( values == NULL )
-        return rf_gltf_no_memory( gltf, json.path );
+    uint8_t* values;
+    RF_TRY( rf_gltf_allocate( gltf, json.path, &values, bytes, sizeof *values ) );
     mesh->attributes[from].values = values;
     if ( !rf_draco_copy( mesh->mesh, from, layout.component_type, values ) )
         return rf_field_fail( &json, "its compressed mesh has numbers that are not of its componentType" );
@@ -135,9 +134,7 @@ static RfResult find_packed( RfGltf* gltf, const char* where, const char* name, 
     RfGltfUnpackedAttribute* attribute = mesh->attributes + from;
     if ( attribute->accessor == 0 )
     {
-        RfResult result = copy_attribute( gltf, declared, mesh, from, gltf->accessors + gltf->accessor_count );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( copy_attribute( gltf, declared, mesh, from, gltf->accessors + gltf->accessor_count ) );
         attribute->accessor = gltf->accessor_count++;
     }
     *index = attribute->accessor;

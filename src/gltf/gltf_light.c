@@ -390,9 +390,8 @@ static RfResult load_node_light( RfGltf* gltf, const RfField* lights, int node, 
 static RfResult load_lights( RfGltf* gltf, const RfField* lights, RfProfile** profiles )
 {
     RfResult result = RF_OK;
-    gltf->scene->punctuals = calloc( (size_t)gltf->order_count + 1, sizeof *gltf->scene->punctuals );
-    if ( gltf->scene->punctuals == NULL )
-        return rf_gltf_no_memory( gltf, "lights" );
+    RF_TRY(
+        rf_gltf_allocate( gltf, "lights", &gltf->scene->punctuals, (size_t)gltf->order_count, sizeof *gltf->scene->punctuals ) );
     for ( int i = 0; result == RF_OK && i < gltf->order_count; ++i )
     {
         int node = gltf->order[i];
@@ -418,9 +417,8 @@ RfResult rf_gltf_load_lights( RfGltf* gltf )
     RfField lights = rf_get_array( &json, "lights" );
     RF_TRY( rf_json_result( &root ) );
     size_t count = json_array_size( lights.json );
-    RfProfile** profiles = calloc( count + 1, sizeof( RfProfile* ) );
-    if ( profiles == NULL )
-        return rf_gltf_no_memory( gltf, "lights" );
+    RfProfile** profiles;
+    RF_TRY( rf_gltf_allocate( gltf, "lights", &profiles, count, sizeof *profiles ) );
     RfResult result = load_lights( gltf, &lights, profiles );
     for ( size_t i = 0; i < count; ++i )
         rf_release_profile( profiles[i] );

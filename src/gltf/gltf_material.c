@@ -545,9 +545,7 @@ RfResult rf_gltf_load_materials( RfGltf* gltf )
 {
     int count = gltf->counts[RF_GLTF_MATERIALS];
     // one more: the default material for primitives without one
-    gltf->scene->materials = calloc( (size_t)count + 1, sizeof *gltf->scene->materials );
-    if ( gltf->scene->materials == NULL )
-        return rf_gltf_no_memory( gltf, "materials" );
+    RF_TRY( rf_gltf_allocate( gltf, "materials", &gltf->scene->materials, (size_t)count, sizeof *gltf->scene->materials ) );
     gltf->scene->material_count = (uint32_t)count;
     for ( int i = 0; i < count; ++i )
         RF_TRY( load_material( gltf, i, gltf->scene->materials + i ) );

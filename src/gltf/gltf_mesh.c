@@ -256,9 +256,7 @@ static RfResult finish_mesh( RfGltf* gltf, RfGltfBaker* baker, Placing* placing,
     }
     for ( int i = placing->first; i < scene->placement_count; ++i )
     {
-        RfResult result = check_coordinates( gltf, &placing->mesh, scene->placements + i, where );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( check_coordinates( gltf, &placing->mesh, scene->placements + i, where ) );
     }
     return add_mesh( gltf, placing );
 }
@@ -364,9 +362,7 @@ static RfResult choose_placed( RfGltf* gltf )
     for ( int m = 0; m < count; ++m )
     {
         Saving saving;
-        RfResult result = find_saving( gltf, m, &saving );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( find_saving( gltf, m, &saving ) );
         if ( saving.bytes < LEAST_SAVED_EACH || places + saving.places > MAX_PLACEMENTS )
             continue;
         gltf->uses[m].placed = true;

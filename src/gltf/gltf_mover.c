@@ -60,9 +60,8 @@ static RfResult is_morphed( const RfGltf* gltf, int node, int mesh, bool* morphe
     RfResult result = rf_gltf_mesh_targets( gltf, mesh, &count );
     if ( result != RF_OK || *morphed || count == 0 )
         return result;
-    double* weights = malloc( (size_t)count * sizeof *weights );
-    if ( weights == NULL )
-        return rf_gltf_no_memory( gltf, "meshes" );
+    double* weights;
+    RF_TRY( rf_gltf_allocate( gltf, "meshes", &weights, (size_t)count, sizeof *weights ) );
     result = rf_gltf_read_rest_weights( gltf, node, mesh, count, weights );
     for ( int i = 0; result == RF_OK && i < count; ++i )
         *morphed = *morphed || weights[i] != 0.0;
@@ -226,9 +225,7 @@ static RfResult read_weights( const Builder* b, const Common* common, RfMover* m
 {
     if ( mover->target_count == 0 )
         return RF_OK;
-    mover->weights = malloc( (size_t)mover->target_count * sizeof *mover->weights );
-    if ( mover->weights == NULL )
-        return rf_gltf_no_memory( b->gltf, "nodes" );
+    RF_TRY( rf_gltf_allocate( b->gltf, "nodes", &mover->weights, (size_t)mover->target_count, sizeof *mover->weights ) );
     return rf_gltf_read_rest_weights( b->gltf, common->node, common->document_mesh, mover->target_count, mover->weights );
 }
 

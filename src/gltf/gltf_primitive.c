@@ -371,9 +371,7 @@ static RfResult read_triangles( RfGltf* gltf, const RfField* primitive, int mode
     if ( survey )
         return RF_OK;
 
-    out->indices = malloc( ( (size_t)out->count * 3 + 1 ) * sizeof *out->indices );
-    if ( out->indices == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    RF_TRY( rf_gltf_allocate( gltf, where, &out->indices, (size_t)out->count * 3, sizeof *out->indices ) );
     for ( uint32_t t = 0; t < out->count; ++t )
     {
         uint32_t corners[3];
@@ -512,9 +510,7 @@ static RfResult compact( RfGltf* gltf, const char* where, uint32_t vertex_count,
     RF_TRY( reserve_remap( gltf, where, vertex_count ) );
     size_t corners = (size_t)out->t.count * 3;
     size_t most = corners < vertex_count ? corners : vertex_count;
-    *sources = malloc( ( most + 1 ) * sizeof **sources );
-    if ( *sources == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    RF_TRY( rf_gltf_allocate( gltf, where, sources, most, sizeof **sources ) );
     uint32_t stamp = ++gltf->stamp;
     for ( size_t i = 0; i < corners; ++i )
     {
@@ -537,9 +533,7 @@ static RfResult read_attribute( const RfGltf* gltf, const char* where, int acces
     float** values = rf_attribute( &out->t, attribute );
     if ( accessor < 0 )
         return RF_OK;
-    *values = malloc( ( (size_t)out->t.vertex_count * components + 1 ) * sizeof **values );
-    if ( *values == NULL )
-        return rf_gltf_no_memory( gltf, where );
+    RF_TRY( rf_gltf_allocate( gltf, where, values, (size_t)out->t.vertex_count * components, sizeof **values ) );
     RfResult result = RF_OK;
     for ( uint32_t i = 0; result == RF_OK && i < out->t.vertex_count; ++i )
     {

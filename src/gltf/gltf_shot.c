@@ -281,9 +281,8 @@ static RfResult list_unmoved( RfGltf* gltf )
     RfScene* scene = gltf->scene;
     RfResult result = RF_OK;
     int kept = 0, count = scene->moving_count;
-    bool* moved = calloc( (size_t)count + 1, sizeof *moved );
-    if ( moved == NULL )
-        return rf_gltf_no_memory( gltf, "animations" );
+    bool* moved;
+    RF_TRY( rf_gltf_allocate( gltf, "animations", &moved, (size_t)count, sizeof *moved ) );
     if ( count > 0 )
         mark_moved( gltf, moved );
     for ( int i = 0; i < count; ++i )

@@ -187,9 +187,7 @@ static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbe
         if ( numbers[*use] < 0 )
         {
             numbers[*use] = scene->texture_count++;
-            RfResult result = load_image( gltf, *use / 2, *use % 2 == 1, scene->textures + numbers[*use] );
-            if ( result != RF_OK )
-                return result;
+            RF_TRY( load_image( gltf, *use / 2, *use % 2 == 1, scene->textures + numbers[*use] ) );
         }
         *use = numbers[*use];
     }
@@ -284,9 +282,8 @@ static RfResult check_memory( RfGltf* gltf, const bool* used )
            available = rf_free_memory();
     ImageSize largest[NAMED] = { { 0 } };
     int count = 0;
-    bool* wanted = calloc( uses + 1, sizeof *wanted );
-    if ( wanted == NULL )
-        return rf_gltf_no_memory( gltf, "images" );
+    bool* wanted;
+    RF_TRY( rf_gltf_allocate( gltf, "images", &wanted, uses, sizeof *wanted ) );
     for ( uint32_t m = 0; m < scene->material_count; ++m )
     {
         const RfTextured* textured = scene->materials[m].textured;

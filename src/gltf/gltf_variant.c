@@ -1,6 +1,7 @@
 // KHR_materials_variants: lists the variants of a file, and finds the materials of primitives in the one that is chosen.
 #include "gltf/gltf_document.h"
 
+#include "base/try.h"
 #include "base/words.h"
 
 #include <stdlib.h>
@@ -15,9 +16,7 @@ static RfResult list_variants( RfGltf* gltf, const RfField* list )
 {
     RfScene* scene = gltf->scene;
     size_t count = json_array_size( list->json );
-    scene->variants = calloc( count + 1, sizeof *scene->variants );
-    if ( scene->variants == NULL )
-        return rf_gltf_no_memory( gltf, EXTENSION );
+    RF_TRY( rf_gltf_allocate( gltf, EXTENSION, &scene->variants, count, sizeof *scene->variants ) );
     RfResult result = RF_OK;
     for ( size_t i = 0; result == RF_OK && i < count; ++i )
     {
