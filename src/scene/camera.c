@@ -338,21 +338,6 @@ static RfResult eye_at_time( const RfCameraSampling* sampling, double time, RfEy
     return sampling->camera->track != NULL ? track_eye( sampling, time, eye, error ) : node_eye( sampling, time, eye, error );
 }
 
-RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error )
-{
-    *eye = ( RfEye ){ 0 };
-    if ( camera < 0 || camera >= scene->camera_count )
-        return rf_fail( error, RF_ERROR_USAGE, "camera %d: the scene has %d", camera, scene->camera_count );
-    const RfCamera* self = scene->cameras + camera;
-    RfCameraSampling sampling = { .scene = scene, .camera = self, .width = width, .height = height };
-    RfResult result = check_film( &sampling, eye, error );
-    if ( result == RF_OK && self->edit != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': is an edit of others", self->name );
-    if ( result == RF_OK && self->track != NULL && self->track->in_frames )
-        return rf_fail( error, RF_ERROR_USAGE, "camera '%.60s': its path counts frames, not seconds", self->name );
-    return result == RF_OK ? eye_at_time( &sampling, time, eye, error ) : result;
-}
-
 // The time of frame `frame` of a camera's path, counted from 0, in its unit.
 static double camera_time( const RfCameraSampling* sampling, double frame )
 {
@@ -481,13 +466,6 @@ static RfResult eye_of_shot( const ShotPath* shot, double frame, RfEye* eye, RfE
                          error ) );
     eye->shot = shot->number;
     return RF_OK;
-}
-
-RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
-{
-    ShotPath shot;
-    find_shot( sampling, frame, &shot );
-    return eye_of_shot( &shot, frame, eye, error );
 }
 
 int rf_camera_shots( const RfCamera* camera )
@@ -726,7 +704,7 @@ static void open_shutter( const RfCameraSampling* sampling, double frame, double
         eye->time = 0.5 * ( eye->opens + eye->closes );
 }
 
-RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
+RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error )
 {
     ShotPath shot;
     find_shot( sampling, frame, &shot );

@@ -22,13 +22,6 @@ typedef struct RfCameraFrames
 // camera's name if it belongs to the scene) and unless fps > 0 (RF_ERROR_USAGE).
 RfResult rf_camera_frames( const RfScene* scene, const RfCamera* camera, double fps, RfCameraFrames* frames, RfError* error );
 
-// `camera` at `time` seconds, on a film of width × height pixels.
-// Follows animated ancestors, also mirrored or scaled ones; the axes are
-// orthonormalised. The camera looks along −Z of its node with +Y up.
-// Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite, and (RF_ERROR_USAGE) if the
-// camera path is keyed by frame numbers or the camera is an edit: use rf_camera_eye for those.
-RfResult rf_scene_eye( const RfScene* scene, int camera, double time, int width, int height, RfEye* eye, RfError* error );
-
 // Reads a camera path from a file (scene/camera_path/camera_track.h); the camera is named after
 // the file. Free with rf_destroy_camera.
 RfResult rf_load_camera( const char* path, RfCamera* camera, RfError* error );
@@ -47,13 +40,13 @@ typedef struct RfCameraSampling
     int width, height; // of the film, pixels
 } RfCameraSampling;
 
-// The camera at frame `frame` of its path, counted from 0: a pinhole that stands still. It is that of the shot which the frame is in.
-RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
-
-// The camera at a frame with lens and shutter, which ends where the shot does: beyond, the path is extrapolated, and what moves is
+// The camera at frame `frame` of its path, counted from 0, in the shot that the frame is in. It follows animated ancestors,
+// also mirrored or scaled ones; the axes are orthonormalised. The camera looks along −Z of its node with +Y up.
+// Fails (RF_ERROR_SCENE) if the transform is degenerate or not finite.
+// Lens and shutter end where the shot does: beyond, the path is extrapolated, and what moves is
 // blurred up to there. Fails with RF_ERROR_SCENE for a lens without a focus, and where the node in focus does not
 // exist or is not before the camera; with RF_ERROR_USAGE where a focus is asked for but there is no aperture.
-RfResult rf_camera_lens_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
+RfResult rf_camera_eye( const RfCameraSampling* sampling, double frame, RfEye* eye, RfError* error );
 
 // Finds the cuts of a camera that moves with its node: keys of STEP interpolation at which it, an ancestor or its zoom jumps, if no key of the
 // same channel is nearer than 0.25 s. Fails with RF_ERROR_MEMORY.

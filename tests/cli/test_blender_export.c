@@ -222,7 +222,7 @@ static void check_lens( const RfScene* scene )
     assert_int_equal( rf_find_camera( scene, NULL, &index, NULL ), RF_OK );
     const RfCamera* camera = scene->cameras + index;
     const RfCameraSampling sampling = { scene, camera, NULL, { 24, 1 }, 64, 36 };
-    assert_int_equal( rf_camera_lens_eye( &sampling, 1.0, &eye, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &sampling, 1.0, &eye, NULL ), RF_OK );
     assert_float_equal( eye.lens_radius, 0.05 / 5.6, 1e-6 );
     assert_float_equal( eye.focus, 10.0, 1e-4 );
     assert_true( eye.moves );

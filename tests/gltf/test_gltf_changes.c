@@ -441,12 +441,14 @@ TEST( test_a_camera_that_zooms )
     assert_int_equal( frames.count, 13 );
     for ( int k = 1; k <= 7; ++k )
     {
-        assert_int_equal( rf_scene_eye( &scene, 0, 0.5 * k, 300, 200, &eye, NULL ), RF_OK );
+        assert_int_equal(
+            rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 300, 200 }, 0.5 * k, &eye, NULL ),
+            RF_OK );
         gltf_assert_near( eye.focal, 100.0 / tan( 0.5 * ( 0.5 + 0.5 * part_of( 0.5 * k ) ) ) );
     }
     RfLens lens = { .has_shutter = true, .shutter = { -0.25, 0.25 } };
     RfCameraSampling sampling = { &scene, camera, &lens, { 4, 1 }, 300, 200 };
-    assert_int_equal( rf_camera_lens_eye( &sampling, 8.0, &eye, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &sampling, 8.0, &eye, NULL ), RF_OK );
     gltf_assert_near( eye.focal, 100.0 / tan( 0.375 ) );
     assert_true( eye.moves );
     rf_destroy_scene( &scene );

@@ -132,7 +132,9 @@ TEST( test_cameras_are_read )
     assert_true( camera->animated && camera->start == 1.0 && camera->end == 2.0 );
     assert_false( scene.cameras[0].animated );
     RfEye eye;
-    assert_int_equal( rf_scene_eye( &scene, moving, 1.5, 10, 10, &eye, &error ), RF_OK );
+    assert_int_equal(
+        rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras + moving, NULL, { 1, 1 }, 10, 10 }, 1.5, &eye, &error ),
+        RF_OK );
     gltf_assert_rgb( eye.origin, 2, 1, 0 );
     gltf_assert_rgb( eye.forward, -1, 0, 0 );
     rf_destroy_scene( &scene );

@@ -258,14 +258,15 @@ TEST( test_eye_looks_down_minus_z )
     RfScene scene = make_scene( &node, 1, &camera, 1 );
     RfEye eye;
     RfError error;
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, &error ), RF_OK );
+    assert_int_equal(
+        rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 200, 100 }, 0.0, &eye, &error ), RF_OK );
     assert_vec( eye.origin, 0, 2, 0 );
     assert_vec( eye.forward, 0, 0, -1 );
     assert_vec( eye.up, 0, 1, 0 );
     assert_vec( eye.right, 1, 0, 0 );
     assert_near( (double)eye.focal, 50.0, 1e-4 );
-    assert_int_equal( rf_scene_eye( &scene, 1, 0.0, 200, 100, &eye, &error ), RF_ERROR_USAGE );
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 0, 100, &eye, &error ), RF_ERROR_USAGE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 0, 100 }, 0.0, &eye, &error ),
+                      RF_ERROR_USAGE );
 }
 
 // A parent that turns 90° around y within a second, above a camera at (0,0,5).
@@ -283,11 +284,13 @@ TEST( test_parents_move_cameras )
     scene.channel_count = 1;
     RfEye eye;
     RfError error;
-    assert_int_equal( rf_scene_eye( &scene, 0, 1.0, 4, 4, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 1.0, &eye, &error ),
+                      RF_OK );
     assert_vec( eye.origin, 5, 0, 0 );
     assert_vec( eye.forward, -1, 0, 0 );
     assert_vec( eye.up, 0, 1, 0 );
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.5, 4, 4, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 0.5, &eye, &error ),
+                      RF_OK );
     assert_vec( eye.origin, 5 * HALF_SQRT2, 0, 5 * HALF_SQRT2 );
 }
 
@@ -302,7 +305,8 @@ TEST( test_scale_and_mirror_keep_the_view )
     RfScene scene = make_scene( nodes, 2, &camera, 1 );
     RfEye eye;
     RfError error;
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 0.0, &eye, &error ),
+                      RF_OK );
     assert_vec( eye.origin, -3, 0, 0 );
     assert_vec( eye.forward, 0, 0, -1 );
     assert_vec( eye.up, 0, 1, 0 );
@@ -317,11 +321,13 @@ TEST( test_collapsed_camera_fails )
     RfEye eye;
     RfError error;
     node.scale[2] = 0.0;
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 0.0, &eye, &error ),
+                      RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "flat" ) );
     node.scale[2] = 1.0;
     node.translation[0] = INFINITY;
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 0.0, &eye, &error ),
+                      RF_ERROR_SCENE );
 }
 
 // Columns 1 and 2 of a shear may become parallel.
@@ -334,7 +340,8 @@ TEST( test_parallel_axes_fail )
     RfScene scene = make_scene( &node, 1, &camera, 1 );
     RfEye eye;
     RfError error;
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 4, 4, &eye, &error ), RF_ERROR_SCENE );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 4, 4 }, 0.0, &eye, &error ),
+                      RF_ERROR_SCENE );
 }
 
 TEST( test_destroying_nothing_is_allowed )
@@ -356,8 +363,8 @@ static void check_edit( const RfScene* scene, RfEdit edit )
         const RfCamera* shown = scene->cameras + ( shot == 1 );
         RfEye eye, alone;
         RfCameraSampling whole = { scene, &film, &lens, { 24, 1 }, 64, 36 }, own = { scene, shown, &lens, { 24, 1 }, 64, 36 };
-        assert_int_equal( rf_camera_lens_eye( &whole, i, &eye, NULL ), RF_OK );
-        assert_int_equal( rf_camera_lens_eye( &own, i, &alone, NULL ), RF_OK );
+        assert_int_equal( rf_camera_eye( &whole, i, &eye, NULL ), RF_OK );
+        assert_int_equal( rf_camera_eye( &own, i, &alone, NULL ), RF_OK );
         assert_int_equal( (int)( eye.shot >> 32 ), shot );
         assert_int_equal( eye.moves, i < 24 || i == 48 ); // to its last key, at 2 s
         assert_int_equal( alone.moves, eye.moves );
@@ -365,11 +372,6 @@ static void check_edit( const RfScene* scene, RfEdit edit )
         if ( eye.moves )
             assert_vec( eye.open.origin, (double)alone.open.origin.x, (double)alone.open.origin.y, (double)alone.open.origin.z );
     }
-    RfEye eye;
-    RfScene with = *scene;
-    with.cameras = &film;
-    with.camera_count = 1;
-    assert_int_equal( rf_scene_eye( &with, 0, 1.0, 64, 36, &eye, NULL ), RF_ERROR_USAGE );
 }
 
 TEST( test_cameras_of_an_edit )
@@ -422,7 +424,7 @@ TEST( test_steps_are_cuts )
         RfCameraSampling sampling = { &scene, &camera, &lens, { 24, 1 }, 64, 36 };
         int shot = i < 24 ? 0 : i < 48 ? 1 : 2;
         double x = shot == 0 ? 0.0 : shot == 1 ? 5.0 : -3.0;
-        assert_int_equal( rf_camera_lens_eye( &sampling, i, &eye, NULL ), RF_OK );
+        assert_int_equal( rf_camera_eye( &sampling, i, &eye, NULL ), RF_OK );
         assert_int_equal( eye.shot, shot );
         assert_true( eye.moves == 1 );
         assert_vec( eye.origin, x, i / 24.0, 0.0 );
@@ -435,7 +437,7 @@ TEST( test_steps_are_cuts )
     {
         RfEye eye;
         RfCameraSampling sampling = { &scene, &camera, &lens, { 24, 1 }, 64, 36 };
-        assert_int_equal( rf_camera_lens_eye( &sampling, i, &eye, NULL ), RF_OK );
+        assert_int_equal( rf_camera_eye( &sampling, i, &eye, NULL ), RF_OK );
         assert_int_equal( eye.moves, 0 );
     }
     free( camera.cuts );

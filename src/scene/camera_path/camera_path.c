@@ -205,7 +205,7 @@ static RfResult make_eyes( const RfCameraSampling* sampling, RfCameraPath* path,
         path->hash = rf_hash_bytes( path->hash, &camera->track->hash, sizeof camera->track->hash );
     for ( int i = 0; i < path->count && result == RF_OK; ++i )
     {
-        result = rf_camera_lens_eye( sampling, (double)i, path->eyes + i, error );
+        result = rf_camera_eye( sampling, (double)i, path->eyes + i, error );
         if ( result != RF_OK )
             break;
         drop_still_moments( scene, path->eyes + i );

@@ -14,7 +14,7 @@ static RfEye eye_of( const RfCamera* camera, double frame )
     RfScene scene = { 0 };
     RfEye eye;
     RfError error = { 0 };
-    if ( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, camera, NULL, { 24, 1 }, 200, 100 }, frame, &eye, &error ) != RF_OK )
+    if ( rf_camera_eye( &( RfCameraSampling ){ &scene, camera, NULL, { 24, 1 }, 200, 100 }, frame, &eye, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return eye;
 }
@@ -50,7 +50,7 @@ TEST( test_panoramic_paths )
         KEYED( "\"projection\":\"panoramic\",\"keys\":[{\"frame\":1," PLACE "}],\"lens\":{\"radius\":1,\"focus\":1}" ) );
     RfScene scene = { 0 };
     RfError error = { 0 };
-    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, NULL, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
                       RF_ERROR_SCENE );
     assert_non_null( strstr( error.text, "a panoramic camera has no depth of field here" ) );
     rf_destroy_camera( &camera );
@@ -74,12 +74,12 @@ TEST( test_lenses_have_limits )
     RfScene scene = { 0 };
     RfEye eye;
     RfError error = { 0 };
-    assert_int_equal( rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, &right, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, &right, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
                       RF_OK );
     assert_close( (double)eye.focus, 5.0, 1e-6 );
     for ( size_t i = 0; i < sizeof s_wrong / sizeof s_wrong[0]; ++i )
         assert_int_equal(
-            rf_camera_lens_eye( &( RfCameraSampling ){ &scene, &camera, s_wrong + i, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
+            rf_camera_eye( &( RfCameraSampling ){ &scene, &camera, s_wrong + i, { 24, 1 }, 8, 8 }, 0, &eye, &error ),
             RF_ERROR_USAGE );
 }
 
@@ -117,7 +117,8 @@ TEST( test_cameras_of_gltf )
 {
     RfEye eye;
     RfScene scene = scene_of( "", "{\"type\":\"orthographic\",\"orthographic\":{\"xmag\":9,\"ymag\":2,\"zfar\":9,\"znear\":0}}" );
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 200, 100 }, 0.0, &eye, NULL ),
+                      RF_OK );
     assert_int_equal( eye.projection, RF_ORTHOGRAPHIC );
     assert_close( (double)eye.focal, 25.0, 1e-5 );
     RfCameraInfo info;
@@ -126,7 +127,8 @@ TEST( test_cameras_of_gltf )
     rf_destroy_scene( &scene );
     scene = scene_of( ",\"extras\":{\"reframe\":{\"projection\":\"panoramic\"}}",
                       "{\"type\":\"perspective\",\"perspective\":{\"yfov\":1}}" );
-    assert_int_equal( rf_scene_eye( &scene, 0, 0.0, 200, 100, &eye, NULL ), RF_OK );
+    assert_int_equal( rf_camera_eye( &( RfCameraSampling ){ &scene, scene.cameras, NULL, { 1, 1 }, 200, 100 }, 0.0, &eye, NULL ),
+                      RF_OK );
     assert_int_equal( eye.projection, RF_PANORAMIC );
     rf_destroy_scene( &scene );
 }
