@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "base/remedy.h"
 #include "base/system.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "convert/model.h"
 #include "image/atomic_file.h"

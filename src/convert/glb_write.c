@@ -3,7 +3,6 @@
 
 #include "base/json.h"
 #include "base/remedy.h"
-#include "base/try.h"
 
 #include <jansson.h>
 #include <math.h>

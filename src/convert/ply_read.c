@@ -2,7 +2,6 @@
 #include "convert/model.h"
 
 #include "base/file.h"
-#include "base/try.h"
 #include "convert/ply_file.h"
 #include "image/decode.h"
 

@@ -3,11 +3,9 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "gltf/gltf_material.h"
-#include "gltf/gltf_mesh.h"
 #include "reframe/error.h"
 #include "scene/movement.h"
 #include "scene/camera.h"
@@ -101,26 +99,27 @@ static RfResult open_all_edits( RfGltf* gltf )
     static const char* const s_light_keys[] = {
         "ies", "radius", "soft", "angle", "shape", "size", "spread", "light_group", NULL
     };
-    static const char* const s_material_keys[] = { "bsdf",
-                                                   "diffuse",
-                                                   "specular",
-                                                   "exponent",
-                                                   "doubleSided",
-                                                   "alphaMode",
-                                                   "baseColorTexture",
-                                                   "metallicRoughnessTexture",
-                                                   "normalTexture",
-                                                   "emissiveTexture",
-                                                   "textures",
-                                                   "light_group",
-                                                   "interpolation",
-                                                   "keys" };
+    static const char* const s_material_keys[] = {
+        "bsdf",
+        "diffuse",
+        "specular",
+        "exponent",
+        "doubleSided",
+        "alphaMode",
+        "baseColorTexture",
+        "metallicRoughnessTexture",
+        "normalTexture",
+        "emissiveTexture",
+        "textures",
+        "light_group",
+        "interpolation",
+        "keys",
+    };
     const char* keys[sizeof s_material_keys / sizeof s_material_keys[0] + RF_CHANGED_COUNT + 1] = { NULL };
     int count = (int)( sizeof s_material_keys / sizeof s_material_keys[0] );
     const json_t* punctual = json_object_get( json_object_get( gltf->root, "extensions" ), "KHR_lights_punctual" );
     memcpy( keys, s_material_keys, sizeof s_material_keys );
-    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 ); v < RF_CHANGED_COUNT;
-          v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, -1 ); v < RF_CHANGED_COUNT; v = rf_next_value( RF_OF_MATERIAL, v ) )
     {
         if ( ( rf_changed_traits( v )->flags & RF_VALUE_IN_FILE ) != 0 )
             keys[count++] = rf_changed_traits( v )->name;

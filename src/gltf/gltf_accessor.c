@@ -1,8 +1,6 @@
 // Where the numbers of a document are: views of buffers, and accessors.
 #include "gltf/gltf_document.h"
 
-#include "base/try.h"
-
 #include <math.h>
 #include <string.h>
 

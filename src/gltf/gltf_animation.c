@@ -2,9 +2,7 @@
 // span in which each node moves.
 #include "gltf/gltf_material.h"
 
-#include "base/try.h"
 #include "scene/movement.h"
-#include "scene/camera_path/curve.h"
 
 #include <limits.h>
 #include <math.h>
@@ -220,8 +218,8 @@ static bool is_ignored( const char* path )
 // The value of an owner that has a path and may change, or RF_CHANGED_COUNT.
 static RfChangedValue find_value( RfValueOwner owner, const char* path )
 {
-    RfChangedValue v = rf_next_value( owner, 0 );
-    for ( ; v < RF_CHANGED_COUNT; v = rf_next_value( owner, (int)v + 1 ) )
+    RfChangedValue v = rf_next_value( owner, -1 );
+    for ( ; v < RF_CHANGED_COUNT; v = rf_next_value( owner, v ) )
     {
         char own[RF_VALUE_PATH];
         rf_member_path( rf_changed_traits( v )->home, rf_changed_traits( v )->name, own );
@@ -564,8 +562,8 @@ static RfResult add_given_values( RfGltf* gltf, Loader* loader, int material )
     RfResult result = rf_gltf_read_keys( gltf, material );
     for ( int i = before; result == RF_OK && i < gltf->change_count; ++i )
         result = set_owner( gltf, loader, gltf->changes + i, GIVEN );
-    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 ); result == RF_OK && v < RF_CHANGED_COUNT;
-          v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, -1 ); result == RF_OK && v < RF_CHANGED_COUNT;
+          v = rf_next_value( RF_OF_MATERIAL, v ) )
     {
         const RfChange change = { .value = v, .of = material, .channel.path = RF_VALUE };
         if ( rf_has_member( gltf->material_edits + material, rf_changed_traits( v )->name ) )

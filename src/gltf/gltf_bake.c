@@ -1,7 +1,6 @@
 // Bakes primitives into lists of triangles; what deforms them: morph targets, with their weights where nothing animates them, and skins.
 #include "gltf/gltf_mesh.h"
 
-#include "base/try.h"
 #include "scene/deformation.h"
 
 #include <float.h>

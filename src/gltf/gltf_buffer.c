@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/float_traps.h"
-#include "base/try.h"
 
 #include <math.h>
 #include <stdlib.h>

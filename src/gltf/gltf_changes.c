@@ -1,7 +1,6 @@
 // What changes by keys and is not of a node: the list of it, and its way into the scene.
 #include "gltf/gltf_material.h"
 
-#include "base/try.h"
 #include "scene/movement.h"
 #include "scene/placement.h"
 #include "scene/textured.h"
@@ -39,7 +38,7 @@ RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueO
 {
     const char* name = NULL;
     RfField home = *owner;
-    for ( RfChangedValue v = rf_next_value( kind, 0 ); v < RF_CHANGED_COUNT; v = rf_next_value( kind, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( kind, -1 ); v < RF_CHANGED_COUNT; v = rf_next_value( kind, v ) )
     {
         if ( rf_changed_traits( v )->home != name ) // values of one place follow each other
             home = rf_gltf_home( owner, rf_changed_traits( v )->home );
@@ -155,7 +154,7 @@ int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int s
 
 void rf_gltf_find_changes( const RfGltf* gltf, RfValueOwner owner, int of, void* still, void* most, int* changes )
 {
-    for ( RfChangedValue v = rf_next_value( owner, 0 ); v < RF_CHANGED_COUNT; v = rf_next_value( owner, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( owner, -1 ); v < RF_CHANGED_COUNT; v = rf_next_value( owner, v ) )
     {
         double all[4];
         double* own = rf_value_in( still, v );

@@ -1,7 +1,6 @@
 // Errors with the place in the document, typed reads of its values, and which extensions are read.
 #include "gltf/gltf_document.h"
 
-#include "base/try.h"
 #include "image/decode.h"
 
 #include <math.h>

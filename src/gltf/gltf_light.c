@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/json.h"
-#include "base/try.h"
 #include "scene/camera.h"
 
 #include <math.h>

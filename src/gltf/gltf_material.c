@@ -12,12 +12,10 @@
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
 #include "gltf/gltf_material.h"
 
-#include "base/try.h"
 #include "scene/shared_json.h"
 #include "scene/placement.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #define BESIDE "pass_index", "light_group"
@@ -439,8 +437,8 @@ static void read_glossiness( const RfGltfMaterial* m, RfFactors* factors )
 // The numbers that a scene file gives it.
 static RfResult read_edit( const RfGltfMaterial* m, RfMaterialValues* values )
 {
-    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 ); m->edit.json != NULL && v < RF_CHANGED_COUNT;
-          v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, -1 ); m->edit.json != NULL && v < RF_CHANGED_COUNT;
+          v = rf_next_value( RF_OF_MATERIAL, v ) )
     {
         const RfChangedTraits* traits = rf_changed_traits( v );
         RfField field = rf_field_member( &m->edit, traits->name );
@@ -475,8 +473,8 @@ RfResult rf_gltf_read_keys( RfGltf* gltf, int material )
     RfChangedValue values[MOST_KEYED];
     int count = 0;
     bool in_frames = false;
-    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, 0 ); v < RF_CHANGED_COUNT && count < MOST_KEYED;
-          v = rf_next_value( RF_OF_MATERIAL, (int)v + 1 ) )
+    for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, -1 ); v < RF_CHANGED_COUNT && count < MOST_KEYED;
+          v = rf_next_value( RF_OF_MATERIAL, v ) )
     {
         kinds[count] = rf_keyed_value( v );
         values[count] = v;

@@ -1,14 +1,12 @@
 // Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
 #include "gltf/gltf_mesh.h"
 
-#include "base/try.h"
 #include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/placement.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Each primitive is read once and baked for every node that instances its mesh, so that the reader never holds more than one.
 // Meshes whose copies would take much memory are kept once, in their own space, and placed. Not so what is easier to have in

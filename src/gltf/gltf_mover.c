@@ -2,14 +2,12 @@
 #include "gltf/gltf_material.h"
 #include "gltf/gltf_mesh.h"
 
-#include "base/try.h"
 #include "scene/movement.h"
 #include "scene/merge.h"
 #include "scene/placement.h"
 #include "scene/pose.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,6 @@
 // Nodes: their transforms, their hierarchy, and instances at them.
 #include "gltf/gltf_mesh.h"
 
-#include "base/try.h"
 #include "scene/placement.h"
 
 #include <math.h>

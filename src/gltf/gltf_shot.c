@@ -3,7 +3,6 @@
 #include "gltf/gltf_material.h"
 
 #include "base/file.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"

@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/system.h"
-#include "base/try.h"
 #include "image/decode.h"
 #include "scene/texture.h"
 #include "scene/movement.h"

@@ -1,10 +1,8 @@
 // KHR_materials_variants: lists the variants of a file, and finds the materials of primitives in the one that is chosen.
 #include "gltf/gltf_document.h"
 
-#include "base/try.h"
 #include "base/words.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #define EXTENSION "KHR_materials_variants"

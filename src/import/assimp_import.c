@@ -7,7 +7,6 @@
 #include "import/assimp_import.h"
 
 #include "base/file.h"
-#include "base/try.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -553,7 +552,6 @@ static RfResult import_by_assimp( const char* path, RfModel* model, RfLog* log, 
 
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
-#include "base/try.h"
 #include "convert/model.h"
 #include "import/assimp_import.h"
 

@@ -2,7 +2,6 @@
 #include "scene/camera.h"
 
 #include "base/json.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/eye.h"
@@ -11,7 +10,6 @@
 #include "scene/projection.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

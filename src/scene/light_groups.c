@@ -2,7 +2,6 @@
 #include "scene/light_groups.h"
 
 #include "base/json.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "scene/placement.h"
 

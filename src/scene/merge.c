@@ -2,9 +2,7 @@
 #include "scene/merge.h"
 
 #include "base/file.h"
-#include "base/try.h"
 #include "scene/deformation.h"
-#include "scene/texture.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"
 #include "scene/placement.h"

@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 // Coplanar: sine of the angle between the normals, and distance over the largest coordinate.
 #define MAX_SINE 3e-5f

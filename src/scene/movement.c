@@ -308,8 +308,9 @@ const RfChangedTraits* rf_changed_traits( RfChangedValue value ) { return s_trai
 
 RfChangedValue rf_next_value( RfValueOwner owner, int value )
 {
-    while ( value < RF_CHANGED_COUNT && s_traits[value].owner != owner )
+    do
         ++value;
+    while ( value < RF_CHANGED_COUNT && s_traits[value].owner != owner );
     return (RfChangedValue)value;
 }
 

@@ -139,7 +139,7 @@ typedef struct RfChangedTraits
 
 const RfChangedTraits* rf_changed_traits( RfChangedValue value );
 
-// The next value of an owner from `value` on, for loops; RF_CHANGED_COUNT after the last.
+// The next value of an owner after `value`, for loops that begin with −1; RF_CHANGED_COUNT after the last.
 RfChangedValue rf_next_value( RfValueOwner owner, int value );
 
 // Its place in the struct of its owner's values.

@@ -4,7 +4,6 @@
 #include "base/fault.h"
 #include "base/file.h"
 #include "base/layout.h"
-#include "base/try.h"
 #include "scene/movement.h"
 #include "scene/deformation.h"
 #include "scene/texture.h"

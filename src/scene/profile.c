@@ -1,8 +1,6 @@
 // Profiles of lamps: read from IES files, and evaluated.
 #include "scene/profile.h"
 
-#include "base/try.h"
-
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>

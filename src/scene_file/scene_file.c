@@ -2,7 +2,6 @@
 #include "scene_file/scene_file.h"
 
 #include "base/file.h"
-#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf.h"
 #include "gltf/gltf_document.h"

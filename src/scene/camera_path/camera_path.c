@@ -2,7 +2,6 @@
 #include "scene/movement.h"
 
 #include "base/file.h"
-#include "base/try.h"
 #include "reframe/render.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"

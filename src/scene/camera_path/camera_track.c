@@ -2,7 +2,6 @@
 #include "scene/camera_path/camera_track.h"
 
 #include "base/json.h"
-#include "base/try.h"
 #include "math/quat.h"
 #include "scene/eye.h"
 #include "scene/projection.h"

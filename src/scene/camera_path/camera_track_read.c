@@ -1,7 +1,6 @@
 // Reads and validates camera-path files (anim/camera-path.schema.json).
 #include "scene/camera_path/camera_track.h"
 
-#include "base/try.h"
 #include "math/quat.h"
 #include "scene/projection.h"
 
