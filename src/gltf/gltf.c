@@ -26,6 +26,7 @@
 // values of the document are (gltf_material.c, gltf_light.c), after them.
 
 #define NAMES_LISTED 12
+#define MATERIAL_KEYS 14 // besides those of values
 
 // The name of an item of a list that is called `plural`.
 static const char* item_name( const json_t* list, const char* plural, size_t index, char fallback[RF_ITEM_NAME] )
@@ -99,7 +100,7 @@ static RfResult open_all_edits( RfGltf* gltf )
     static const char* const s_light_keys[] = {
         "ies", "radius", "soft", "angle", "shape", "size", "spread", "light_group", NULL
     };
-    static const char* const s_material_keys[] = {
+    const char* keys[MATERIAL_KEYS + RF_CHANGED_COUNT + 1] = {
         "bsdf",
         "diffuse",
         "specular",
@@ -115,10 +116,8 @@ static RfResult open_all_edits( RfGltf* gltf )
         "interpolation",
         "keys",
     };
-    const char* keys[sizeof s_material_keys / sizeof s_material_keys[0] + RF_CHANGED_COUNT + 1] = { NULL };
-    int count = (int)( sizeof s_material_keys / sizeof s_material_keys[0] );
+    int count = MATERIAL_KEYS;
     const json_t* punctual = json_object_get( json_object_get( gltf->root, "extensions" ), "KHR_lights_punctual" );
-    memcpy( keys, s_material_keys, sizeof s_material_keys );
     for ( RfChangedValue v = rf_next_value( RF_OF_MATERIAL, -1 ); v < RF_CHANGED_COUNT; v = rf_next_value( RF_OF_MATERIAL, v ) )
     {
         if ( ( rf_changed_traits( v )->flags & RF_VALUE_IN_FILE ) != 0 )

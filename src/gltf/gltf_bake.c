@@ -60,12 +60,8 @@ static bool append( float** all, size_t before, size_t more, const float* values
     if ( grown == NULL )
         return false;
     *all = grown;
-    if ( fresh )
-        memset( grown, 0, before * 3 * sizeof *grown );
-    if ( values != NULL )
-        memcpy( grown + 3 * before, values, more * 3 * sizeof *grown );
-    else
-        memset( grown + 3 * before, 0, more * 3 * sizeof *grown );
+    for ( size_t i = fresh ? 0 : 3 * before; i < 3 * ( before + more ); ++i )
+        grown[i] = i >= 3 * before && values != NULL ? values[i - 3 * before] : 0.0f;
     return true;
 }
 

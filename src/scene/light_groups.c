@@ -49,14 +49,9 @@ bool rf_tag_light( RfScene* scene, const char* name, uint16_t* tag )
     }
     if ( scene->light_group_count >= MOST_TAGS )
         return false;
-    char** grown = realloc( scene->light_groups, ( (size_t)scene->light_group_count + 1 ) * sizeof *grown );
-    char* copy = strdup( name );
-    scene->light_groups = grown != NULL ? grown : scene->light_groups;
-    if ( grown == NULL || copy == NULL )
-    {
-        free( copy );
+    char* copy = rf_make_room( &scene->light_groups, scene->light_group_count, sizeof copy ) ? strdup( name ) : NULL;
+    if ( copy == NULL )
         return false;
-    }
     scene->light_groups[scene->light_group_count++] = copy;
     *tag = (uint16_t)scene->light_group_count;
     return true;

@@ -10,16 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-void rf_destroy_channel( RfChannel* channel )
-{
-    if ( channel->curve != NULL )
-        rf_destroy_curve( channel->curve );
-    free( channel->curve );
-    free( channel->times );
-    free( channel->values );
-    memset( channel, 0, sizeof *channel );
-}
-
 static const double* key_value( const RfChannel* channel, int key )
 {
     int n = channel->components;
@@ -401,9 +391,7 @@ static void widen( RfMovement* movement, double start, double end )
 bool rf_add_change( RfScene* scene, RfChange* change )
 {
     RfMovement* movement = rf_open_movement( scene );
-    size_t count = movement != NULL ? (size_t)movement->change_count : 0;
-    RfChange* grown = movement != NULL ? realloc( movement->changes, ( count + 1 ) * sizeof *grown ) : NULL;
-    if ( grown == NULL )
+    if ( movement == NULL || !rf_make_room( &movement->changes, movement->change_count, sizeof *movement->changes ) )
     {
         rf_destroy_channel( &change->channel );
         return false;
@@ -414,7 +402,6 @@ bool rf_add_change( RfScene* scene, RfChange* change )
     bool others = scene->change_end > scene->change_start;
     scene->change_start = others ? fmin( scene->change_start, start ) : start;
     scene->change_end = others ? fmax( scene->change_end, end ) : end;
-    movement->changes = grown;
     movement->changes[movement->change_count++] = *change;
     return true;
 }
@@ -422,9 +409,7 @@ bool rf_add_change( RfScene* scene, RfChange* change )
 bool rf_add_sequence( RfScene* scene, RfImageSequence* sequence )
 {
     RfMovement* movement = rf_open_movement( scene );
-    size_t count = movement != NULL ? (size_t)movement->sequence_count : 0;
-    RfImageSequence* grown = movement != NULL ? realloc( movement->sequences, ( count + 1 ) * sizeof *grown ) : NULL;
-    if ( grown == NULL )
+    if ( movement == NULL || !rf_make_room( &movement->sequences, movement->sequence_count, sizeof *movement->sequences ) )
     {
         free( sequence->pattern );
         return false;
@@ -432,7 +417,6 @@ bool rf_add_sequence( RfScene* scene, RfImageSequence* sequence )
     double start, end;
     rf_sequence_span( sequence, &start, &end );
     widen( movement, start, end );
-    movement->sequences = grown;
     movement->sequences[movement->sequence_count++] = *sequence;
     return true;
 }
@@ -443,29 +427,4 @@ void rf_drop_empty_movement( RfScene* scene )
         return;
     rf_destroy_movement( scene->movement );
     scene->movement = NULL;
-}
-
-void rf_destroy_movement( RfMovement* movement )
-{
-    if ( movement == NULL )
-        return;
-    for ( int i = 0; movement->skins != NULL && i < movement->skin_count; ++i )
-    {
-        free( movement->skins[i].joints );
-        free( movement->skins[i].inverse_binds );
-    }
-    for ( int i = 0; movement->movers != NULL && i < movement->mover_count; ++i )
-        free( movement->movers[i].weights );
-    for ( int i = 0; movement->changes != NULL && i < movement->change_count; ++i )
-        rf_destroy_channel( &movement->changes[i].channel );
-    for ( int i = 0; movement->sequences != NULL && i < movement->sequence_count; ++i )
-        free( movement->sequences[i].pattern );
-    free( movement->sequences );
-    free( movement->lamps );
-    free( movement->materials );
-    free( movement->changes );
-    free( movement->nodes );
-    free( movement->skins );
-    free( movement->movers );
-    free( movement );
 }

@@ -12,10 +12,8 @@ bool rf_begin_node_run( RfScene* scene, int node )
         return true;
     if ( count == 0 || scene->node_runs[count - 1].first != first ) // else the last one is empty
     {
-        RfNodeRun* grown = realloc( scene->node_runs, ( (size_t)count + 1 ) * sizeof *grown );
-        if ( grown == NULL )
+        if ( !rf_make_room( &scene->node_runs, (int)count, sizeof *scene->node_runs ) )
             return false;
-        scene->node_runs = grown;
         scene->node_run_count = count += 1;
     }
     scene->node_runs[count - 1] = ( RfNodeRun ){ first, 1 + node };

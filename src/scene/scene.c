@@ -59,16 +59,24 @@ bool rf_parse_fps( const char* text, RfFps* fps )
 
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
 
+bool rf_make_room( void* list, int count, size_t size )
+{
+    void* old;
+    memcpy( &old, list, sizeof old );
+    void* grown = realloc( old, ( (size_t)count + 1 ) * size );
+    if ( grown != NULL )
+        memcpy( list, &grown, sizeof grown );
+    return grown != NULL;
+}
+
 bool rf_note_unrendered( RfScene* scene, const char* what, const char* why )
 {
-    size_t count = (size_t)scene->unrendered_count;
+    int count = scene->unrendered_count;
     const RfUnrendered* last = count > 0 ? scene->unrendered + count - 1 : NULL;
     if ( last != NULL && strcmp( last->what, what ) == 0 && strcmp( last->why, why ) == 0 )
         return true;
-    RfUnrendered* grown = realloc( scene->unrendered, ( count + 1 ) * sizeof *grown );
-    if ( grown == NULL )
+    if ( !rf_make_room( &scene->unrendered, count, sizeof *scene->unrendered ) )
         return false;
-    scene->unrendered = grown;
     RfUnrendered entry = { strdup( what ), strdup( why ) };
     scene->unrendered[scene->unrendered_count++] = entry;
     return entry.what != NULL && entry.why != NULL;
@@ -109,6 +117,41 @@ void rf_destroy_camera( RfCamera* camera )
     free( camera->optics );
     free( camera->name );
     memset( camera, 0, sizeof *camera );
+}
+
+void rf_destroy_channel( RfChannel* channel )
+{
+    if ( channel->curve != NULL )
+        rf_destroy_curve( channel->curve );
+    free( channel->curve );
+    free( channel->times );
+    free( channel->values );
+    memset( channel, 0, sizeof *channel );
+}
+
+void rf_destroy_movement( RfMovement* movement )
+{
+    if ( movement == NULL )
+        return;
+    for ( int i = 0; movement->skins != NULL && i < movement->skin_count; ++i )
+    {
+        free( movement->skins[i].joints );
+        free( movement->skins[i].inverse_binds );
+    }
+    for ( int i = 0; movement->movers != NULL && i < movement->mover_count; ++i )
+        free( movement->movers[i].weights );
+    for ( int i = 0; movement->changes != NULL && i < movement->change_count; ++i )
+        rf_destroy_channel( &movement->changes[i].channel );
+    for ( int i = 0; movement->sequences != NULL && i < movement->sequence_count; ++i )
+        free( movement->sequences[i].pattern );
+    free( movement->sequences );
+    free( movement->lamps );
+    free( movement->materials );
+    free( movement->changes );
+    free( movement->nodes );
+    free( movement->skins );
+    free( movement->movers );
+    free( movement );
 }
 
 static void free_texts( char** texts, int count )

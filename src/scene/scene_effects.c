@@ -390,28 +390,32 @@ static bool has_texture( const RfMaterial* m )
 
 static bool has_vertex_colors( const RfMaterial* m ) { return m->textured != NULL && m->textured->vertex_colors; }
 
-// An effect required by some materials; names the first and counts the rest.
+// Names the first of what calls for an effect, and counts the rest.
+static RfEffect named_effect( RfEffectId id, const char* kind, const char* first, uint32_t count, const char* none )
+{
+    RfEffect effect = { .id = id, .on = count > 0 };
+    if ( count == 0 )
+        snprintf( effect.why, sizeof effect.why, "%s", none );
+    else if ( count == 1 )
+        snprintf( effect.why, sizeof effect.why, "%s '%.80s'", kind, first );
+    else
+        snprintf( effect.why, sizeof effect.why, "%s '%.80s' and %u more", kind, first, count - 1 );
+    return effect;
+}
+
 static RfEffect material_effect( const Census* census, RfEffectId id, bool ( *calls )( const RfMaterial* ), const char* none )
 {
-    RfEffect effect = { .id = id };
-    const RfMaterial* first = NULL;
+    const char* first = NULL;
     uint32_t count = 0;
     for ( uint32_t i = 0; i < census->scene->material_count; ++i )
     {
         const RfMaterial* material = census->scene->materials + i;
         if ( !is_used( census, i ) || !calls( material ) )
             continue;
-        first = first == NULL ? material : first;
+        first = first == NULL ? material->name : first;
         ++count;
     }
-    effect.on = count > 0;
-    if ( count == 0 )
-        snprintf( effect.why, sizeof effect.why, "%s", none );
-    else if ( count == 1 )
-        snprintf( effect.why, sizeof effect.why, "material '%.80s'", first->name );
-    else
-        snprintf( effect.why, sizeof effect.why, "material '%.80s' and %u more", first->name, count - 1 );
-    return effect;
+    return named_effect( id, "material", first, count, none );
 }
 
 static RfEffect count_effect( RfEffectId id, uint32_t count, const char* what, const char* none )
@@ -441,10 +445,6 @@ static const RfCamera* moving_camera( const RfScene* scene )
     }
     return NULL;
 }
-
-static bool has_lens( const RfOptics* optics ) { return rf_has_lens( optics ); }
-
-static bool has_shutter( const RfOptics* optics ) { return rf_has_shutter( optics ); }
 
 static RfEffect camera_effect( const RfScene* scene )
 {
@@ -504,7 +504,7 @@ static RfEffect optics_effect( const RfScene* scene, RfEffectId id, bool ( *has 
     {
         const RfCamera* camera = scene->cameras + i;
         const RfOptics* optics = camera->track != NULL ? &camera->track->optics : camera->optics;
-        bool by_keys = camera->track != NULL && camera->track->fstop.count > 0 && has == has_lens;
+        bool by_keys = camera->track != NULL && camera->track->fstop.count > 0 && id == RF_EFFECT_DEPTH_OF_FIELD;
         effect.on = by_keys || ( optics != NULL && has( optics ) );
         if ( effect.on )
             snprintf( effect.why, sizeof effect.why, "camera '%.80s'", camera->name );
@@ -514,15 +514,8 @@ static RfEffect optics_effect( const RfScene* scene, RfEffectId id, bool ( *has 
 
 static RfEffect punctual_effect( const RfScene* scene )
 {
-    RfEffect effect = { .id = RF_EFFECT_PUNCTUAL_LIGHTS, .on = scene->punctual_count > 0 };
-    if ( scene->punctual_count == 0 )
-        snprintf( effect.why, sizeof effect.why, "no punctual light" );
-    else if ( scene->punctual_count == 1 )
-        snprintf( effect.why, sizeof effect.why, "light '%.80s'", scene->punctuals[0].name );
-    else
-        snprintf( effect.why, sizeof effect.why, "light '%.80s' and %d more", scene->punctuals[0].name,
-                  scene->punctual_count - 1 );
-    return effect;
+    const char* first = scene->punctual_count > 0 ? scene->punctuals[0].name : NULL;
+    return named_effect( RF_EFFECT_PUNCTUAL_LIGHTS, "light", first, (uint32_t)scene->punctual_count, "no punctual light" );
 }
 
 static RfEffect flat_mirror_effect( const RfScene* scene )
@@ -596,8 +589,8 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
                                      "no normals are interpolated" );
     effects[count++] = camera_effect( scene );
     effects[count++] = moving_effect( scene );
-    effects[count++] = optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, has_lens, "no camera of the scene has a lens" );
-    effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, has_shutter, "no camera of the scene has a shutter" );
+    effects[count++] = optics_effect( scene, RF_EFFECT_DEPTH_OF_FIELD, rf_has_lens, "no camera of the scene has a lens" );
+    effects[count++] = optics_effect( scene, RF_EFFECT_MOTION_BLUR, rf_has_shutter, "no camera of the scene has a shutter" );
     effects[count++] = material_effect( &census, RF_EFFECT_CLEARCOAT, has_clearcoat, "no material has a clear coat" );
     effects[count++] = material_effect( &census, RF_EFFECT_SHEEN, has_sheen, "no material has a sheen" );
     effects[count++] = material_effect( &census, RF_EFFECT_DIFFUSE_TRANSMISSION, is_translucent,

@@ -220,13 +220,11 @@ static bool is_name_taken( const RfScene* scene, const char* name )
 // Appends the camera and selects it. Takes ownership of the camera, or destroys it on failure.
 static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* camera )
 {
-    RfCamera* grown = realloc( scene->cameras, ( (size_t)scene->camera_count + 1 ) * sizeof *grown );
-    if ( grown == NULL )
+    if ( !rf_make_room( &scene->cameras, scene->camera_count, sizeof *scene->cameras ) )
     {
         rf_destroy_camera( camera );
         return rf_field_no_memory( field );
     }
-    scene->cameras = grown;
     scene->cameras[scene->camera_count++] = *camera;
     scene->chosen_camera = scene->camera_count;
     if ( camera->track != NULL ) // else it is in this file, whose hash is added
