@@ -56,12 +56,10 @@ static bool append( float** all, size_t before, size_t more, const float* values
     if ( *all == NULL && values == NULL )
         return true;
     bool fresh = *all == NULL;
-    float* grown = realloc( *all, ( before + more + 1 ) * 3 * sizeof *grown );
-    if ( grown == NULL )
+    if ( !rf_make_room( all, 3 * ( before + more ), sizeof **all ) )
         return false;
-    *all = grown;
     for ( size_t i = fresh ? 0 : 3 * before; i < 3 * ( before + more ); ++i )
-        grown[i] = i >= 3 * before && values != NULL ? values[i - 3 * before] : 0.0f;
+        ( *all )[i] = i >= 3 * before && values != NULL ? values[i - 3 * before] : 0.0f;
     return true;
 }
 
@@ -171,15 +169,12 @@ static RfResult add_target( RfGltf* gltf, const char* where, const RfGltfPrimiti
     if ( result != RF_OK || deltas->count == 0 )
         return result;
     size_t before = target->count, more = deltas->count;
-    uint32_t* grown = realloc( target->vertices, ( before + more ) * sizeof *grown );
-    if ( grown == NULL )
-        return rf_gltf_no_memory( gltf, where );
-    target->vertices = grown;
-    memcpy( grown + before, deltas->vertices, more * sizeof *grown );
-    if ( !append( &target->positions, before, more, deltas->values[0] ) ||
+    if ( !rf_make_room( &target->vertices, before + more, sizeof *target->vertices ) ||
+         !append( &target->positions, before, more, deltas->values[0] ) ||
          !append( &target->normals, before, more, deltas->values[1] ) ||
          !append( &target->tangents, before, more, deltas->values[2] ) )
         return rf_gltf_no_memory( gltf, where );
+    memcpy( target->vertices + before, deltas->vertices, more * sizeof *target->vertices );
     target->count += deltas->count;
     return RF_OK;
 }
@@ -379,15 +374,12 @@ static RfResult read_influences( RfGltf* gltf, const RfField* json, const RfGltf
     Influences from;
     RF_TRY( open_influences( gltf, json, &from ) );
     size_t all = ( (size_t)base + primitive->t.vertex_count ) * (size_t)deformation->influences;
-    uint16_t* joints = realloc( deformation->joints, ( all + 1 ) * sizeof *joints );
-    deformation->joints = joints != NULL ? joints : deformation->joints;
-    float* weights = realloc( deformation->weights, ( all + 1 ) * sizeof *weights );
-    deformation->weights = weights != NULL ? weights : deformation->weights;
-    if ( joints == NULL || weights == NULL )
+    if ( !rf_make_room( &deformation->joints, all, sizeof *deformation->joints ) ||
+         !rf_make_room( &deformation->weights, all, sizeof *deformation->weights ) )
         return rf_gltf_no_memory( gltf, where );
     size_t before = (size_t)base * (size_t)deformation->influences;
-    memset( joints + before, 0, ( all - before ) * sizeof *joints );
-    memset( weights + before, 0, ( all - before ) * sizeof *weights );
+    memset( deformation->joints + before, 0, ( all - before ) * sizeof *deformation->joints );
+    memset( deformation->weights + before, 0, ( all - before ) * sizeof *deformation->weights );
     for ( uint32_t v = 0; v < primitive->t.vertex_count; ++v )
     {
         float joint[8] = { 0 }, weight[8] = { 0 };
@@ -409,20 +401,6 @@ static bool has_eight_joints( const json_t* primitive )
 
 #define MAX_VERTICES ( 3u << 28 )
 
-static bool grow_floats( float** memory, size_t count )
-{
-    float* grown = realloc( *memory, count * sizeof *grown );
-    *memory = grown != NULL ? grown : *memory;
-    return grown != NULL;
-}
-
-static bool grow_numbers( uint32_t** memory, size_t count )
-{
-    uint32_t* grown = realloc( *memory, count * sizeof *grown );
-    *memory = grown != NULL ? grown : *memory;
-    return grown != NULL;
-}
-
 // Those of all attributes that some mesh has, and in any case positions and normals.
 static bool grow_attributes( RfTriangles* t, size_t vertices )
 {
@@ -430,7 +408,9 @@ static bool grow_attributes( RfTriangles* t, size_t vertices )
     for ( int a = 0; a < RF_ATTRIBUTE_COUNT; ++a )
     {
         float** all = rf_attribute( t, a );
-        room = ( ( *all == NULL && a >= RF_UV ) || grow_floats( all, vertices * g_rf_attributes[a].components ) ) && room;
+        room =
+            ( ( *all == NULL && a >= RF_UV ) || rf_make_room( all, vertices * g_rf_attributes[a].components, sizeof **all ) ) &&
+            room;
     }
     return room;
 }
@@ -466,7 +446,8 @@ static RfResult reserve_triangles( const RfGltf* gltf, RfGltfBaker* baker, uint3
     if ( t->count + more <= baker->triangle_capacity )
         return RF_OK;
     size_t capacity = next_capacity( baker->triangle_capacity, t->count + more, RF_GLTF_MAX_TRIANGLES );
-    if ( grow_numbers( &t->indices, capacity * 3 ) == false || grow_numbers( &t->material, capacity ) == false )
+    if ( !rf_make_room( &t->indices, capacity * 3, sizeof *t->indices ) ||
+         !rf_make_room( &t->material, capacity, sizeof *t->material ) )
         return rf_gltf_no_memory( gltf, where );
     baker->triangle_capacity = (uint32_t)capacity;
     return RF_OK;
@@ -484,7 +465,7 @@ static RfResult append_vertices( const RfGltf* gltf, RfGltfBaker* baker, const R
         const float* own = *rf_attribute( (RfTriangles*)&primitive->t, a );
         float** all = rf_attribute( t, a );
         bool fresh = *all == NULL && own != NULL;
-        if ( fresh && !grow_floats( all, baker->vertex_capacity * n + 1 ) )
+        if ( fresh && !rf_make_room( all, baker->vertex_capacity * n, sizeof **all ) )
             return rf_gltf_no_memory( gltf, where );
         for ( size_t i = fresh ? 0 : n * base; *all != NULL && i < ( own != NULL ? n * base : n * ( base + more ) ); ++i )
             ( *all )[i] = g_rf_attributes[a].fill;
@@ -623,8 +604,8 @@ void rf_gltf_finish_baker( RfGltfBaker* baker )
     if ( t->count > 0 ) // a failure to shrink changes nothing
     {
         grow_attributes( t, t->vertex_count );
-        grow_numbers( &t->indices, 3 * (size_t)t->count );
-        grow_numbers( &t->material, t->count );
+        rf_make_room( &t->indices, 3 * (size_t)t->count, sizeof *t->indices );
+        rf_make_room( &t->material, t->count, sizeof *t->material );
     }
 }
 
@@ -663,11 +644,9 @@ static RfResult add_primitive( Reader* r, const RfField* json, const RfGltfPrimi
         return rf_gltf_fail( r->gltf, RF_ERROR_UNSUPPORTED, where, "more than %llu triangles in all that moves: split the scene",
                              (unsigned long long)MAX_TRIANGLES );
     RfResult result = rf_gltf_bake( r->gltf, &r->baker, p, NULL, where );
-    bool* flat = realloc( r->flat, ( (size_t)base + p->t.vertex_count + 1 ) * sizeof *flat );
-    if ( flat == NULL )
+    if ( !rf_make_room( &r->flat, (size_t)base + p->t.vertex_count, sizeof *r->flat ) )
         return rf_gltf_no_memory( r->gltf, where );
-    r->flat = flat;
-    memset( flat + base, p->flat, p->t.vertex_count );
+    memset( r->flat + base, p->flat, p->t.vertex_count );
     if ( result == RF_OK && mesh->deformation != NULL )
         result = read_targets( r->gltf, json, p, base, mesh->deformation );
     if ( result == RF_OK && r->shape->skinned )

@@ -392,12 +392,10 @@ RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement )
     size_t changes = (size_t)gltf->change_count + 1;
     bool* used = calloc( (size_t)gltf->scene->material_count + 1, sizeof *used );
     int* moved = calloc( changes, sizeof *moved );
-    RfChange* all = realloc( movement->changes, ( (size_t)movement->change_count + changes ) * sizeof *all );
-    movement->changes = all != NULL ? all : movement->changes;
+    bool room = rf_make_room( &movement->changes, (size_t)movement->change_count + changes, sizeof *movement->changes );
     movement->lamps = calloc( (size_t)gltf->lamp_count + 1, sizeof *movement->lamps );
     movement->materials = calloc( (size_t)gltf->moving_material_count + 1, sizeof *movement->materials );
-    bool room =
-        used != NULL && moved != NULL && movement->changes != NULL && movement->lamps != NULL && movement->materials != NULL;
+    room = room && used != NULL && moved != NULL && movement->lamps != NULL && movement->materials != NULL;
     if ( room )
     {
         rf_mark_used_materials( gltf->scene, used );

@@ -58,14 +58,7 @@ RfResult rf_gltf_check_limit( const RfGltf* gltf, const char* where, const char*
 bool rf_gltf_grow( void* list, int count, size_t size )
 {
     size_t items = (size_t)count;
-    void* old;
-    if ( ( items & ( items - 1 ) ) != 0 )
-        return true;
-    memcpy( &old, list, sizeof old );
-    void* grown = realloc( old, ( items > 0 ? 2 * items : 1 ) * size );
-    if ( grown != NULL )
-        memcpy( list, &grown, sizeof grown );
-    return grown != NULL;
+    return ( items & ( items - 1 ) ) != 0 || rf_make_room( list, 2 * items, size );
 }
 
 RfResult rf_gltf_allocate( const RfGltf* gltf, const char* where, void* list, size_t count, size_t size )

@@ -167,11 +167,9 @@ static RfResult split_materials( RfGltf* gltf )
     if ( copies > MOST_COPIED )
         return rf_gltf_fail( gltf, RF_ERROR_UNSUPPORTED, "meshes",
                              "more than %d materials in several light groups: split the scene", MOST_COPIED );
-    RfMaterial* grown = realloc( scene->materials, ( scene->material_count + (size_t)copies + 1 ) * sizeof *grown );
-    if ( grown == NULL )
+    if ( !rf_make_room( &scene->materials, scene->material_count + (size_t)copies, sizeof *scene->materials ) )
         return rf_gltf_no_memory( gltf, "materials" );
-    scene->materials = grown;
-    memset( grown + scene->material_count, 0, ( (size_t)copies + 1 ) * sizeof *grown );
+    memset( scene->materials + scene->material_count, 0, ( (size_t)copies + 1 ) * sizeof *scene->materials );
     for ( int m = 0; m < gltf->counts[RF_GLTF_MATERIALS]; ++m )
     {
         for ( int at = uses->first[m]; at >= 0; at = uses->list[at].next )

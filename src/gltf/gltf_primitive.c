@@ -220,13 +220,11 @@ static uint32_t add_triangles( Spaces* s )
 static bool split( const Spaces* s, uint32_t count )
 {
     RfGltfPrimitive* p = s->primitive;
-    uint32_t* sources = realloc( p->sources, ( (size_t)count + 1 ) * sizeof *sources );
-    p->sources = sources != NULL ? sources : p->sources;
-    bool room = sources != NULL;
+    bool room = rf_make_room( &p->sources, count, sizeof *p->sources );
     for ( uint32_t v = 0; room && v < p->t.vertex_count; ++v )
     {
         if ( s->twin[v] != NONE )
-            sources[s->twin[v]] = sources[v];
+            p->sources[s->twin[v]] = p->sources[v];
     }
     for ( int a = 0; room && a < RF_TANGENT; ++a )
     {
@@ -234,13 +232,11 @@ static bool split( const Spaces* s, uint32_t count )
         float** all = rf_attribute( &p->t, a );
         if ( *all == NULL )
             continue;
-        float* grown = realloc( *all, ( count * n + 1 ) * sizeof *grown );
-        *all = grown != NULL ? grown : *all;
-        room = grown != NULL;
+        room = rf_make_room( all, count * n, sizeof **all );
         for ( size_t v = 0; room && v < p->t.vertex_count; ++v )
         {
             if ( s->twin[v] != NONE )
-                memcpy( grown + n * s->twin[v], grown + n * v, n * sizeof *grown );
+                memcpy( *all + n * s->twin[v], *all + n * v, n * sizeof **all );
         }
     }
     return room;

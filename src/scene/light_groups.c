@@ -49,7 +49,7 @@ bool rf_tag_light( RfScene* scene, const char* name, uint16_t* tag )
     }
     if ( scene->light_group_count >= MOST_TAGS )
         return false;
-    char* copy = rf_make_room( &scene->light_groups, scene->light_group_count, sizeof copy ) ? strdup( name ) : NULL;
+    char* copy = rf_make_room( &scene->light_groups, (size_t)scene->light_group_count, sizeof copy ) ? strdup( name ) : NULL;
     if ( copy == NULL )
         return false;
     scene->light_groups[scene->light_group_count++] = copy;

@@ -27,12 +27,10 @@ static bool append_vertices( RfTriangles* to, const RfTriangles* from )
         bool fresh = *all == NULL;
         if ( fresh && own == NULL )
             continue;
-        float* grown = realloc( *all, ( before + more + 1 ) * n * sizeof *grown );
-        if ( grown == NULL )
+        if ( !rf_make_room( all, ( before + more ) * n, sizeof **all ) )
             return false;
-        *all = grown;
         for ( size_t i = fresh ? 0 : n * before; i < n * ( before + more ); ++i )
-            grown[i] = i >= n * before && own != NULL ? own[i - n * before] : g_rf_attributes[a].fill;
+            ( *all )[i] = i >= n * before && own != NULL ? own[i - n * before] : g_rf_attributes[a].fill;
     }
     to->vertex_count += from->vertex_count;
     return true;
@@ -64,11 +62,8 @@ bool rf_spread_vertices( RfTriangles* t )
 bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t first_material )
 {
     size_t before = to->vertex_count, all = (size_t)to->count + from->count;
-    uint32_t* indices = realloc( to->indices, ( 3 * all + 1 ) * sizeof *indices );
-    to->indices = indices != NULL ? indices : to->indices;
-    uint32_t* material = realloc( to->material, ( all + 1 ) * sizeof *material );
-    to->material = material != NULL ? material : to->material;
-    if ( indices == NULL || material == NULL || !append_vertices( to, from ) )
+    if ( !rf_make_room( &to->indices, 3 * all, sizeof *to->indices ) ||
+         !rf_make_room( &to->material, all, sizeof *to->material ) || !append_vertices( to, from ) )
         return false;
     for ( size_t i = 0; i < from->count; ++i )
     {
@@ -76,8 +71,8 @@ bool rf_append_triangles( RfTriangles* to, const RfTriangles* from, uint32_t fir
         if ( corners[0] == corners[1] )
             continue;
         for ( size_t c = 0; c < 3; ++c )
-            indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
-        material[to->count++] = first_material + from->material[i];
+            to->indices[3 * (size_t)to->count + c] = (uint32_t)before + corners[c];
+        to->material[to->count++] = first_material + from->material[i];
     }
     return true;
 }
@@ -96,23 +91,14 @@ static RfResult no_memory( const Merge* m )
     return rf_fail( m->error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", m->placed->path );
 }
 
-// `list` with the items of another after its own; NULL: there is no memory, and `list` is as it was.
-static void* join( void* list, size_t count, const void* more, size_t more_count, size_t size )
-{
-    char* all = realloc( list, ( count + more_count + 1 ) * size );
-    if ( all != NULL && more_count > 0 )
-        memcpy( all + count * size, more, more_count * size );
-    return all;
-}
-
 // Moves the items of a list to the end of another. They are then of that alone.
 #define MOVE_ITEMS( to, to_count, from, from_count )                                                                             \
     do                                                                                                                           \
     {                                                                                                                            \
-        void* joined = join( to, (size_t)( to_count ), from, (size_t)( from_count ), sizeof *( to ) );                           \
-        if ( joined == NULL )                                                                                                    \
+        if ( !rf_make_room( &( to ), (size_t)( ( to_count ) + ( from_count ) ), sizeof *( to ) ) )                               \
             return no_memory( m );                                                                                               \
-        ( to ) = joined;                                                                                                         \
+        if ( ( from_count ) > 0 )                                                                                                \
+            memcpy( ( to ) + ( to_count ), ( from ), (size_t)( from_count ) * sizeof *( to ) );                                  \
         ( to_count ) += ( from_count );                                                                                          \
         ( from_count ) = 0;                                                                                                      \
     } while ( 0 )

@@ -391,7 +391,7 @@ static void widen( RfMovement* movement, double start, double end )
 bool rf_add_change( RfScene* scene, RfChange* change )
 {
     RfMovement* movement = rf_open_movement( scene );
-    if ( movement == NULL || !rf_make_room( &movement->changes, movement->change_count, sizeof *movement->changes ) )
+    if ( movement == NULL || !rf_make_room( &movement->changes, (size_t)movement->change_count, sizeof *movement->changes ) )
     {
         rf_destroy_channel( &change->channel );
         return false;
@@ -409,7 +409,8 @@ bool rf_add_change( RfScene* scene, RfChange* change )
 bool rf_add_sequence( RfScene* scene, RfImageSequence* sequence )
 {
     RfMovement* movement = rf_open_movement( scene );
-    if ( movement == NULL || !rf_make_room( &movement->sequences, movement->sequence_count, sizeof *movement->sequences ) )
+    if ( movement == NULL ||
+         !rf_make_room( &movement->sequences, (size_t)movement->sequence_count, sizeof *movement->sequences ) )
     {
         free( sequence->pattern );
         return false;

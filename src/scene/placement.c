@@ -12,7 +12,7 @@ bool rf_begin_node_run( RfScene* scene, int node )
         return true;
     if ( count == 0 || scene->node_runs[count - 1].first != first ) // else the last one is empty
     {
-        if ( !rf_make_room( &scene->node_runs, (int)count, sizeof *scene->node_runs ) )
+        if ( !rf_make_room( &scene->node_runs, count, sizeof *scene->node_runs ) )
             return false;
         scene->node_run_count = count += 1;
     }

@@ -59,11 +59,11 @@ bool rf_parse_fps( const char* text, RfFps* fps )
 
 RfFps rf_scene_fps( const RfScene* scene ) { return scene->fps.numerator > 0 ? scene->fps : ( RfFps ){ 24, 1 }; }
 
-bool rf_make_room( void* list, int count, size_t size )
+bool rf_make_room( void* list, size_t count, size_t size )
 {
     void* old;
     memcpy( &old, list, sizeof old );
-    void* grown = realloc( old, ( (size_t)count + 1 ) * size );
+    void* grown = realloc( old, ( count + 1 ) * size );
     if ( grown != NULL )
         memcpy( list, &grown, sizeof grown );
     return grown != NULL;
@@ -75,7 +75,7 @@ bool rf_note_unrendered( RfScene* scene, const char* what, const char* why )
     const RfUnrendered* last = count > 0 ? scene->unrendered + count - 1 : NULL;
     if ( last != NULL && strcmp( last->what, what ) == 0 && strcmp( last->why, why ) == 0 )
         return true;
-    if ( !rf_make_room( &scene->unrendered, count, sizeof *scene->unrendered ) )
+    if ( !rf_make_room( &scene->unrendered, (size_t)count, sizeof *scene->unrendered ) )
         return false;
     RfUnrendered entry = { strdup( what ), strdup( why ) };
     scene->unrendered[scene->unrendered_count++] = entry;

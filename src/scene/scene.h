@@ -339,8 +339,8 @@ void rf_destroy_scene( RfScene* scene );
 // Fails with RF_ERROR_UNSUPPORTED where something changes that cannot be rendered so.
 RfResult rf_check_rendered( const RfScene* scene, RfError* error );
 
-// Makes room for one more in a list, whose address is given. False: there is no memory, and it is as it was.
-bool rf_make_room( void* list, int count, size_t size );
+// Gives a list, whose address is given, room for so many items and one more. False: there is no memory, and it is as it was.
+bool rf_make_room( void* list, size_t count, size_t size );
 
 // Adds to what changes and cannot be rendered so; the same is listed once. False: there is no memory.
 bool rf_note_unrendered( RfScene* scene, const char* what, const char* why );

@@ -220,7 +220,7 @@ static bool is_name_taken( const RfScene* scene, const char* name )
 // Appends the camera and selects it. Takes ownership of the camera, or destroys it on failure.
 static RfResult add_camera( const RfField* field, RfScene* scene, RfCamera* camera )
 {
-    if ( !rf_make_room( &scene->cameras, scene->camera_count, sizeof *scene->cameras ) )
+    if ( !rf_make_room( &scene->cameras, (size_t)scene->camera_count, sizeof *scene->cameras ) )
     {
         rf_destroy_camera( camera );
         return rf_field_no_memory( field );

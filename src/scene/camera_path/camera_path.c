@@ -31,7 +31,7 @@ static bool is_cut( const RfChannel* channel, int k )
 
 static RfResult add_cut( double time, RfCamera* camera, RfError* error )
 {
-    if ( !rf_make_room( &camera->cuts, camera->cut_count, sizeof *camera->cuts ) )
+    if ( !rf_make_room( &camera->cuts, (size_t)camera->cut_count, sizeof *camera->cuts ) )
         return rf_fail( error, RF_ERROR_MEMORY, "camera '%.60s': out of memory for its cuts", camera->name );
     camera->cuts[camera->cut_count++] = time;
     return RF_OK;
