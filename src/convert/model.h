@@ -120,7 +120,7 @@ RfResult rf_write_glb( const char* path, const RfModel* model, bool overwrite, R
 // Appends the .glb to an open file, which the caller commits or discards.
 RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error );
 
-// Reads one mesh at one node, with the default material. Vertex properties: x y z,
+// Reads PLY, ASCII or binary of either byte order, strictly: one mesh at one node, with the default material. Vertex properties: x y z,
 // nx ny nz, s t (or u v, texture_u texture_v), red green blue alpha (uchar and ushort
 // are sRGB, float and double linear). Faces: vertex_indices (or vertex_index), polygons
 // are triangulated. Tristrips: the same list, -1 separates strips. Other properties and

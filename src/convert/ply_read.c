@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "convert/ply_file.h"
 #include "image/decode.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -345,10 +346,8 @@ static RfResult append( RfPlyReader* r, uint32_t triangles )
     if ( m->triangle_count + (size_t)triangles > r->triangle_room )
     {
         size_t room = 2 * r->triangle_room + triangles + 256;
-        uint32_t* grown = realloc( m->indices, room * 3 * sizeof *grown );
-        if ( grown == NULL )
+        if ( !rf_make_room( &m->indices, 3 * room, sizeof *m->indices ) )
             return rf_ply_no_memory( r );
-        m->indices = grown;
         r->triangle_room = room;
     }
     memcpy( m->indices + 3 * (size_t)m->triangle_count, r->cut, (size_t)triangles * 3 * sizeof *r->cut );

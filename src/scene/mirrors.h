@@ -51,6 +51,7 @@ static inline RfEye rf_mirrored_eye( const RfEye* eye, const RfMirror* mirror )
     return image;
 }
 
+// Where the mirrors and the glass of a scene are, in a few boxes: most rays pass all of them (path/chain_samples.h).
 #define RF_MAX_CHAIN_BOUNDS 16
 
 typedef struct RfChainBounds

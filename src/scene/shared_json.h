@@ -1,4 +1,4 @@
-// What scene files and the extras of a glTF say alike: the environment, image sequences, views.
+// What scene files and the extras of a glTF say alike: the environment, image sequences, views, and `keys`, values by time or frame.
 #ifndef REFRAME_SCENE_SHARED_JSON_H
 #define REFRAME_SCENE_SHARED_JSON_H
 

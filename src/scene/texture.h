@@ -1,4 +1,4 @@
-// Textures: pixels in memory, and their lookup by a material.
+// Textures: pixels in memory, their lookup by a material, and textures that show image after image.
 #ifndef REFRAME_SCENE_TEXTURE_H
 #define REFRAME_SCENE_TEXTURE_H
 

@@ -249,12 +249,21 @@ static double unmet_aspect( const RfCameraSampling* sampling )
     return 0.0;
 }
 
+// Frames per second that are not given are those of the scene.
+static RfResult complete_fps( const RfScene* scene, RfFps* fps, RfError* error )
+{
+    if ( fps->numerator == 0 && fps->denominator == 0 )
+        *fps = rf_scene_fps( scene );
+    if ( fps->numerator < 1 || fps->denominator < 1 )
+        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps->numerator, fps->denominator );
+    return RF_OK;
+}
+
 // Fills in frames per second and film as the scene has them, and checks both.
 static RfResult complete( RfCameraSampling* sampling, RfError* error )
 {
     const RfScene* scene = sampling->scene;
-    if ( sampling->fps.numerator == 0 && sampling->fps.denominator == 0 )
-        sampling->fps = rf_scene_fps( scene );
+    RF_TRY( complete_fps( scene, &sampling->fps, error ) );
     if ( sampling->width == 0 && sampling->height == 0 )
     {
         double aspect = aspect_of( shown_camera( sampling, 0 ) );
@@ -264,8 +273,6 @@ static RfResult complete( RfCameraSampling* sampling, RfError* error )
             default_size( aspect, &sampling->width, &sampling->height );
     }
     RfFps fps = sampling->fps, keys = scene->key_fps;
-    if ( fps.numerator < 1 || fps.denominator < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
     if ( keys.numerator > 0 && (int64_t)keys.numerator * fps.denominator != (int64_t)fps.numerator * keys.denominator )
         return rf_fail( error, RF_ERROR_USAGE,
                         "%s: keys of the scene count frames, at %g frames per second rather than %g: set \"fps\" of its "
@@ -341,10 +348,7 @@ RfResult rf_scene_camera( const RfScene* scene, int index, RfFps fps, RfCameraIn
     if ( index < 0 || index >= scene->camera_count )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has %d camera%s, there is none of index %d", scene->path, scene->camera_count,
                         scene->camera_count == 1 ? "" : "s", index );
-    if ( fps.numerator == 0 && fps.denominator == 0 )
-        fps = rf_scene_fps( scene );
-    if ( fps.numerator < 1 || fps.denominator < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "frames per second must be above 0, got %d/%d", fps.numerator, fps.denominator );
+    RF_TRY( complete_fps( scene, &fps, error ) );
     const RfCamera* camera = scene->cameras + index;
     *info = ( RfCameraInfo ){ .name = camera->name, .shots = rf_camera_shots( camera ), .animated = camera->animated };
     if ( camera->track != NULL && !rf_camera_track_moves( camera->track ) )
