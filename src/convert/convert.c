@@ -5,7 +5,6 @@
 #include "base/remedy.h"
 #include "base/system.h"
 #include "base/words.h"
-#include "convert/model.h"
 #include "image/atomic_file.h"
 
 #include <errno.h>

@@ -2,12 +2,9 @@
 #include "gltf/gltf.h"
 
 #include "base/file.h"
-#include "base/json.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
-#include "gltf/gltf_material.h"
 #include "reframe/error.h"
-#include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/placement.h"
@@ -16,7 +13,6 @@
 
 #include <math.h>
 #include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,8 +1,6 @@
 // Animations: the channels of all of them merged into one list sorted by node, and the time
 // span in which each node moves.
-#include "gltf/gltf_material.h"
-
-#include "scene/movement.h"
+#include "gltf/gltf_document.h"
 
 #include <limits.h>
 #include <math.h>

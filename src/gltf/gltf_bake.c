@@ -1,7 +1,5 @@
 // Bakes primitives into lists of triangles; what deforms them: morph targets, with their weights where nothing animates them, and skins.
-#include "gltf/gltf_mesh.h"
-
-#include "scene/deformation.h"
+#include "gltf/gltf_document.h"
 
 #include <float.h>
 #include <math.h>

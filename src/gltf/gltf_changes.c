@@ -1,9 +1,7 @@
 // What changes by keys and is not of a node: the list of it, and its way into the scene.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
-#include "scene/movement.h"
 #include "scene/placement.h"
-#include "scene/textured.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,6 +8,8 @@
 
 #include "base/json.h"
 #include "gltf/gltf.h"
+#include "scene/deformation.h"
+#include "scene/movement.h"
 #include "scene/textured.h"
 
 #include <stddef.h>
@@ -422,5 +424,173 @@ const json_t* rf_gltf_document_extras( const json_t* root );
 
 // The frames per second that a document asks for, 24 if it does not or is not valid.
 RfFps rf_gltf_document_fps( const json_t* root );
+
+// ---- From the meshes of a document to the triangles of the scene
+
+// The triangles of a primitive in object space, with only the vertices that they use
+// (gltf_primitive.c).
+typedef struct RfGltfPrimitive
+{
+    RfTriangles t;     // count 0: nothing to draw
+    uint32_t* sources; // per vertex: its number in the accessors
+    bool flat;         // the normals are those of the triangles, which share no vertices
+    uint32_t material;
+} RfGltfPrimitive;
+
+// Reads a primitive; to survey it, the number of its triangles and its material alone.
+RfResult rf_gltf_read_primitive( RfGltf* gltf, const RfField* primitive, bool survey, RfGltfPrimitive* out );
+
+// Frees a primitive.
+void rf_gltf_free_primitive( RfGltfPrimitive* primitive );
+
+// Of all that is baked.
+#define RF_GLTF_MAX_TRIANGLES ( 1u << 28 )
+
+// Bakes primitives into a list of triangles (gltf_bake.c).
+typedef struct RfGltfBaker
+{
+    RfTriangles* triangles;
+    RfVec3 bounds_min, bounds_max; // of the triangles; both 0 if there are none
+    double least_double_area;      // twice the smallest triangle area that is kept
+    uint32_t vertex_capacity, triangle_capacity;
+    bool deforms;    // triangles without area stay
+    uint32_t placed; // triangles so far, including dropped ones
+    uint64_t degenerate;
+    RfWhere first_degenerate;
+} RfGltfBaker;
+
+// Appends a primitive, transformed by a matrix; NULL: in its own space.
+RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* primitive, const RfMat4* matrix,
+                       const char* where );
+
+// Frees spare memory of the triangles.
+void rf_gltf_finish_baker( RfGltfBaker* baker );
+
+// Says how many triangles were dropped, if any.
+void rf_gltf_warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker );
+
+// The instances of a node's mesh and their transforms within the node; a single one without
+// the extension (gltf_node.c).
+typedef struct RfGltfInstances
+{
+    uint32_t count;
+    int translation, rotation, scale; // accessors, or −1
+} RfGltfInstances;
+
+// Reads the instances of a node.
+RfResult rf_gltf_open_instances( RfGltf* gltf, int node, RfGltfInstances* out );
+
+// The transform of one instance within its node.
+RfResult rf_gltf_instance_matrix( const RfGltf* gltf, const RfGltfInstances* instances, uint32_t element, RfMat4* matrix );
+
+// The number of morph targets of all primitives of a mesh (gltf_bake.c).
+RfResult rf_gltf_mesh_targets( const RfGltf* gltf, int mesh, int* count );
+
+// The weights of a node's mesh where nothing animates them.
+RfResult rf_gltf_read_rest_weights( const RfGltf* gltf, int node, int mesh, int count, double* weights );
+
+// Reads the skins, with nodes of the scene for joints (gltf_bake.c).
+RfResult rf_gltf_load_skins( RfGltf* gltf, RfMovement* movement );
+
+// A mesh in its own space, of all primitives, or of those with materials that change. `deforms`: with its morph targets and all triangles; `skinned`: with its
+// joints as well; else without the triangles that have no area (gltf_bake.c).
+typedef struct RfGltfShape
+{
+    int use; // of a mesh
+    bool deforms, skinned, changing_only;
+} RfGltfShape;
+
+RfResult rf_gltf_read_shape( RfGltf* gltf, const RfGltfShape* shape, RfMesh* out );
+
+// Takes the mesh of a node out of those that stand still, where it moves, deforms or is hidden. Where only
+// some of its materials change, its primitives with these are to be left out (gltf_mover.c).
+RfResult rf_gltf_set_apart( RfGltf* gltf, int node );
+
+// Places what was set apart, after everything else.
+RfResult rf_gltf_place_movers( RfGltf* gltf );
+
+// ---- From materials, textures and images to those of the scene, and what changes by keys and is not of a node
+
+// Reads a value of glTF into the struct of its owner's values, and checks its range (gltf_changes.c); one that is missing is left as
+// it is. `home`: the object that has it.
+RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedValue value, void* values );
+
+// Reads all values of an owner.
+RfResult rf_gltf_read_values( const RfGltf* gltf, const RfField* owner, RfValueOwner kind, void* values );
+
+// That all keys of a change are values that the file may have (gltf_changes.c).
+RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfChange* change );
+
+// Reads the keys that a scene file gives a material, and adds them.
+RfResult rf_gltf_read_keys( RfGltf* gltf, int material );
+
+// Adds a change, whose channel it takes unless it fails.
+RfResult rf_gltf_add_change( RfGltf* gltf, const RfChange* change );
+
+// Sorts them by what they are of, and finds their span.
+RfResult rf_gltf_sort_changes( RfGltf* gltf );
+
+void rf_gltf_free_changes( RfGltf* gltf );
+
+// The change of a value, or −1 where it stands still or is frozen: `still` is then what it is, unless nothing is said of it.
+int rf_gltf_find_change( const RfGltf* gltf, RfChangedValue value, int of, int slot, double* still );
+
+// The changes of all values of an owner, by value: `still` becomes what they are where they stand still, `most` (of the same type)
+// the most that they are at any time.
+void rf_gltf_find_changes( const RfGltf* gltf, RfValueOwner owner, int of, void* still, void* most, int* changes );
+
+// Says in the list of what is frozen that something changes, where it is frozen.
+RfResult rf_gltf_note_frozen( RfGltf* gltf, const char* kind, const char* name );
+
+// Adds to the materials that change.
+RfResult rf_gltf_add_moving_material( RfGltf* gltf, const RfMovingMaterial* moving );
+
+// Whether the document changes a light by keys.
+bool rf_gltf_light_changes( const RfGltf* gltf, int index );
+
+// Notes a punctual light that moves, is switched or changes. Its node is one of the scene, its changes are numbers of
+// rf_gltf_find_change.
+RfResult rf_gltf_add_lamp( RfGltf* gltf, const RfMovingLamp* lamp );
+
+// Notes a material that dims or changes, in which its factors are as in the file, and prepares it for that: `out` is as it
+// stands still, but for the transforms of textures, which are followed here.
+RfResult rf_gltf_change_material( RfGltf* gltf, RfMovingMaterial* moving, RfMaterial* out );
+
+// Moves what has been noted, and is of what is in the scene, to a movement. The nodes of lamps are moving ones by now.
+RfResult rf_gltf_move_changes( RfGltf* gltf, RfMovement* movement );
+
+// A use of a texture by its path within a material: its slot, −1 where it is ignored. False: there is no such use
+// (gltf_texture.c).
+bool rf_gltf_texture_slot( const char* path, size_t length, int* slot );
+
+// The index of the material for primitives without one, created on first use.
+RfResult rf_gltf_use_default_material( RfGltf* gltf, uint32_t* index );
+
+// A scattering model of extras.reframe.
+typedef struct RfGltfModel RfGltfModel;
+
+// What is said of a material.
+typedef struct RfGltfMaterial
+{
+    int index;
+    RfField json;             // by the document
+    RfField own;              // by its extras.reframe
+    RfField edit;             // by a scene file, which goes first
+    RfField glossiness;       // by KHR_materials_pbrSpecularGlossiness, in the place of the metallic-roughness model
+    const RfGltfModel* model; // NULL: glTF's
+    bool chosen;              // by the scene file
+    bool textures;            // it has those of the document
+    bool unlit;
+} RfGltfMaterial;
+
+// Has it a texture there?
+bool rf_gltf_has_texture( const RfGltfMaterial* material, RfTextureSlot slot );
+
+// Sets the `textured` member of a material, and the transforms of its textures, after all its other properties have been read
+// (gltf_texture.c). rf_gltf_load_images removes it again if it is not needed.
+RfResult rf_gltf_read_textured( RfGltf* gltf, const RfGltfMaterial* material, RfMovingMaterial* moving, RfMaterial* out );
+
+// A struct without textures; NULL if out of memory.
+RfTextured* rf_gltf_textured( const RfFactors* factors );
 
 #endif

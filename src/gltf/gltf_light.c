@@ -1,8 +1,7 @@
 // Punctual lights.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
 #include "base/file.h"
-#include "base/json.h"
 #include "scene/camera.h"
 
 #include <math.h>

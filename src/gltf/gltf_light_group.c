@@ -1,9 +1,8 @@
 // Light groups: tags of lights, nodes and materials. Meshes of nodes that are tagged emit by materials of that tag: by the material
 // itself for the first group that it is in, by copies for the others.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
 #include "scene/light_groups.h"
-#include "scene/textured.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -10,7 +10,7 @@
 //     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
 //
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
 #include "scene/shared_json.h"
 #include "scene/placement.h"

@@ -1,7 +1,6 @@
 // Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
-#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_document.h"
 
-#include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/placement.h"
 

@@ -1,8 +1,6 @@
 // What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
-#include "gltf/gltf_material.h"
-#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_document.h"
 
-#include "scene/movement.h"
 #include "scene/merge.h"
 #include "scene/placement.h"
 #include "scene/pose.h"

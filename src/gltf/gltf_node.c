@@ -1,5 +1,5 @@
 // Nodes: their transforms, their hierarchy, and instances at them.
-#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_document.h"
 
 #include "scene/placement.h"
 

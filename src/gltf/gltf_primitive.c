@@ -1,7 +1,6 @@
 // Primitives of meshes: triangles, only the vertices that they use, and tangents.
-#include "gltf/gltf_mesh.h"
+#include "gltf/gltf_document.h"
 
-#include "gltf/gltf_material.h"
 #include "scene/merge.h"
 
 #include <math.h>

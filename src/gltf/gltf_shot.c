@@ -1,12 +1,11 @@
 // Cameras: one for each node of the default scene that has one; and `extras.reframe` of the scene: environment, view, settings of
 // a render, what moves, warnings of the exporter.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
 #include "base/file.h"
 #include "base/words.h"
 #include "reframe/camera.h"
 #include "reframe/render.h"
-#include "scene/movement.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/projection.h"

@@ -1,13 +1,11 @@
 // Textures of materials: their images, their uses, and what makes a material vary.
-#include "gltf/gltf_material.h"
+#include "gltf/gltf_document.h"
 
 #include "base/file.h"
 #include "base/system.h"
 #include "image/decode.h"
 #include "scene/texture.h"
-#include "scene/movement.h"
 #include "scene/shared_json.h"
-#include "scene/textured.h"
 
 #include <math.h>
 #include <stdlib.h>

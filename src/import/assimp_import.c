@@ -552,7 +552,6 @@ static RfResult import_by_assimp( const char* path, RfModel* model, RfLog* log, 
 
 #define _DEFAULT_SOURCE // setrlimit, prctl
 
-#include "convert/model.h"
 #include "import/assimp_import.h"
 
 #include <fcntl.h>

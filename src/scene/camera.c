@@ -4,7 +4,6 @@
 #include "base/json.h"
 #include "base/words.h"
 #include "scene/camera_path/camera_track.h"
-#include "scene/eye.h"
 #include "scene/leave_out.h"
 #include "scene/movement.h"
 #include "scene/projection.h"

@@ -3,7 +3,6 @@
 
 #include "base/fault.h"
 #include "base/file.h"
-#include "base/layout.h"
 #include "scene/movement.h"
 #include "scene/deformation.h"
 #include "scene/texture.h"

@@ -3,7 +3,6 @@
 
 #include "scene/camera_path/camera_track.h"
 #include "scene/deformation.h"
-#include "scene/texture.h"
 #include "scene/movement.h"
 
 #include <ctype.h>

@@ -1,7 +1,6 @@
 // Effects: their names, those that a scene calls for, and going without them.
 #include "scene/leave_out.h"
 
-#include "base/built_in.h"
 #include "base/words.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/changes.h"

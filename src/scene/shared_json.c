@@ -5,11 +5,9 @@
 #include "base/words.h"
 #include "image/decode.h"
 #include "reframe/image.h"
-#include "scene/movement.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/camera_path/curve.h"
 #include "scene/light_groups.h"
-#include "scene/scene.h"
 
 #include <limits.h>
 #include <stdio.h>

@@ -3,7 +3,6 @@
 
 #include "base/file.h"
 #include "base/words.h"
-#include "gltf/gltf.h"
 #include "gltf/gltf_document.h"
 #include "scene/camera.h"
 #include "scene/camera_path/camera_track.h"
