@@ -8,7 +8,6 @@
 #include <stddef.h>
 #include <stdint.h>
 
-// True for an address of http: or https:, which is not fetched.
 bool rf_is_web_address( const char* path );
 
 // Reads a regular file of at most `limit` bytes; the caller frees `*bytes`, which is never

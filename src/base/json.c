@@ -258,10 +258,19 @@ RfResult rf_field_require( const RfField* object, const char* key, const char* w
 
 static void list_keys( const char* const* keys, char* text, size_t size )
 {
-    size_t used = 0;
     text[0] = 0;
-    for ( int i = 0; keys[i] != NULL && used < size; ++i )
-        used += (size_t)snprintf( text + used, size - used, "%s%s", i > 0 ? ", " : "", keys[i] );
+    rf_append_words( text, size, keys, ", ", ", " );
+}
+
+// The index of a word in a list; −1 where it is not there, or NULL.
+static int find_word( const char* word, const char* const* words )
+{
+    for ( int i = 0; word != NULL && words[i] != NULL; ++i )
+    {
+        if ( strcmp( word, words[i] ) == 0 )
+            return i;
+    }
+    return -1;
 }
 
 static RfResult fail_unknown( const RfField* object, const char* key, const char* const* keys )
@@ -276,16 +285,6 @@ static RfResult fail_unknown( const RfField* object, const char* key, const char
     if ( nearest != NULL )
         return rf_field_fail( &member, "unknown key, did you mean %s? The keys here are: %s", nearest, list );
     return rf_field_fail( &member, "unknown key, the keys here are: %s", list );
-}
-
-static bool is_known( const char* key, const char* const* keys )
-{
-    for ( int i = 0; keys[i] != NULL; ++i )
-    {
-        if ( strcmp( key, keys[i] ) == 0 )
-            return true;
-    }
-    return false;
 }
 
 RfResult rf_field_keys( const RfField* object, const char* const* keys )
@@ -304,7 +303,7 @@ RfResult rf_field_keys( const RfField* object, const char* const* keys )
             if ( !json_is_string( value ) )
                 return rf_field_must_be( &member, "a string" );
         }
-        else if ( !is_known( key, keys ) )
+        else if ( find_word( key, keys ) < 0 )
             return fail_unknown( object, key, keys );
     }
     return RF_OK;
@@ -438,14 +437,10 @@ RfResult rf_field_choice( const RfField* field, const char* const* words, int* i
     if ( !is_given( field ) )
         return rf_json_result( field );
     const char* text = json_string_value( field->json );
-    for ( int i = 0; text != NULL && words[i] != NULL; ++i )
-    {
-        if ( strcmp( text, words[i] ) == 0 )
-        {
-            *index = i;
-            return RF_OK;
-        }
-    }
+    int found = find_word( text, words );
+    *index = found >= 0 ? found : *index;
+    if ( found >= 0 )
+        return RF_OK;
     if ( field->gltf && text == NULL )
         return rf_field_must_be( field, "a string" );
     char list[160], want[192];

@@ -37,7 +37,6 @@ RfResult rf_parse_json( const char* path, const void* text, size_t size, const c
 // of `file`. The caller frees it; NULL if out of memory.
 char* rf_path_beside( const char* file, const char* name );
 
-// "an object", "a string", "an integer" and so on.
 const char* rf_json_kind( const json_t* value );
 
 // A JSON string of any bytes: text that is not UTF-8 (file names may be anything) has '?' for what is not ASCII.
@@ -64,14 +63,10 @@ typedef struct RfField
 
 // The root object, which may have notes. A reading begins.
 RfField rf_root_field( const RfJsonDocument* document, RfError* error );
-
-// A field of another document: `path` is for messages.
 RfField rf_make_field( const char* file, const char* path, const json_t* json, RfError* error );
 
 // A member of an object; its json is NULL if it is missing.
 RfField rf_field_member( const RfField* object, const char* key );
-
-// An item of an array.
 RfField rf_field_item( const RfField* array, size_t index );
 
 static inline bool rf_has_member( const RfField* object, const char* key )
@@ -86,8 +81,6 @@ RfResult rf_field_fail( const RfField* field, const char* format, ... ) __attrib
 
 // Fails for what a file that this one names is at fault, naming both.
 RfResult rf_field_fail_as( const RfField* field, RfResult result, const RfError* error );
-
-// Fails with RF_ERROR_MEMORY.
 RfResult rf_field_no_memory( const RfField* field );
 
 // Fails with "must be …, got …" or "is missing: must be …".

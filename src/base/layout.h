@@ -11,8 +11,16 @@ typedef struct RfLayout
     size_t bytes; // of the pieces so far
 } RfLayout;
 
+// The bytes that rf_take takes for so many.
+static inline size_t rf_piece_bytes( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
+
 // The next piece, aligned to 64; NULL without memory, and for no elements.
-void* rf_take( RfLayout* layout, size_t count, size_t size );
+static inline void* rf_take( RfLayout* layout, size_t count, size_t size )
+{
+    void* piece = layout->memory != NULL && count > 0 ? layout->memory + layout->bytes : NULL;
+    layout->bytes += rf_piece_bytes( count * size );
+    return piece;
+}
 
 // Points `at` to so many elements, or to NULL for none. It may lie in an earlier piece, since it is looked at only where
 // there is memory.
@@ -23,8 +31,5 @@ void* rf_take( RfLayout* layout, size_t count, size_t size );
         if ( ( layout )->memory != NULL )                                                                                        \
             ( at ) = piece_;                                                                                                     \
     } while ( 0 )
-
-// The bytes that rf_take takes for so many.
-static inline size_t rf_piece_bytes( size_t bytes ) { return ( bytes + 63 ) / 64 * 64; }
 
 #endif

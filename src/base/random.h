@@ -56,8 +56,6 @@ static inline uint32_t rf_random_bits( RfRandomKey key, uint32_t dimension )
 
 // 24 of 32 bits as a fraction in [0, 1).
 static inline float rf_fraction( uint32_t bits ) { return (float)(int32_t)( bits >> 8 ) * 0x1p-24f; }
-
-// Uniform in [0, 1).
 static inline float rf_random( RfRandomKey key, uint32_t dimension ) { return rf_fraction( rf_random_bits( key, dimension ) ); }
 
 #endif

@@ -41,9 +41,9 @@ typedef struct Files
 static const Files s_files[] = { { "memory.max", "memory.current", "inactive_file " },
                                  { "memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file " } };
 
-static size_t available_in( const char* folder )
+static double memory_in( const char* folder )
 {
-    size_t least = SIZE_MAX;
+    double least = INFINITY;
     for ( int k = 0; k < 2; ++k )
     {
         unsigned long long most, used, files = 0;
@@ -51,32 +51,8 @@ static size_t available_in( const char* folder )
             continue;
         if ( read_number( folder, "memory.stat", s_files[k].reclaimable, &files ) && files <= used )
             used -= files;
-        least = used < most ? (size_t)( most - used ) : 0;
+        least = used < most ? (double)( most - used ) : 0.0;
     }
-    return least;
-}
-
-// Sets `folder` to the next group above; false above `root`, whose name has `base` characters.
-static bool go_up( char* folder, size_t base )
-{
-    char* slash = strrchr( folder, '/' );
-    if ( slash == NULL || slash < folder + base )
-        return false;
-    *slash = '\0';
-    return true;
-}
-
-size_t rf_cgroup_free_memory( const char* root, const char* path )
-{
-    char folder[NAME_SIZE];
-    size_t least = SIZE_MAX;
-    if ( snprintf( folder, sizeof folder, "%s%s", root, path ) >= (int)sizeof folder )
-        return SIZE_MAX;
-    do
-    {
-        size_t left = available_in( folder );
-        least = left < least ? left : least;
-    } while ( go_up( folder, strlen( root ) ) );
     return least;
 }
 
@@ -95,86 +71,71 @@ static double cores_in( const char* folder )
     return known && period > 0 && quota <= LLONG_MAX ? (double)quota / (double)period : (double)INFINITY;
 }
 
-double rf_cgroup_cores( const char* root, const char* path )
+// The least that a group and those above it leave; INFINITY: they have no limit.
+static double least_up( const char* root, const char* path, double ( *left_in )( const char* folder ) )
 {
     char folder[NAME_SIZE];
     double least = INFINITY;
     if ( snprintf( folder, sizeof folder, "%s%s", root, path ) >= (int)sizeof folder )
         return least;
-    do
-        least = fmin( least, cores_in( folder ) );
-    while ( go_up( folder, strlen( root ) ) );
+    for ( char* end = folder + strlen( folder ); end != NULL && end >= folder + strlen( root ); end = strrchr( folder, '/' ) )
+    {
+        *end = '\0';
+        least = fmin( least, left_in( folder ) );
+    }
     return least;
 }
 
-static double own_cgroup_cores( void )
+static size_t whole_bytes( double bytes ) { return bytes < 0x1p63 ? (size_t)bytes : SIZE_MAX; }
+
+size_t rf_cgroup_free_memory( const char* root, const char* path ) { return whole_bytes( least_up( root, path, memory_in ) ); }
+
+double rf_cgroup_cores( const char* root, const char* path ) { return least_up( root, path, cores_in ); }
+
+// Whether a line of /proc/self/cgroup, before `path`, lists a controller of version 1: "4:cpu,cpuacct:/a/b".
+static bool has_controller( const char* line, const char* path, const char* name )
 {
-    char line[4096];
+    for ( const char* at = strstr( line, name ); at != NULL && at < path; at = strstr( at + 1, name ) )
+    {
+        if ( at > line && strchr( ":,", at[-1] ) != NULL && strchr( ":,", at[strlen( name )] ) != NULL )
+            return true;
+    }
+    return false;
+}
+
+// The same of the groups that this process is in.
+static double least_of_own_groups( const char* controller, double ( *left_in )( const char* folder ) )
+{
+    char line[4096], root[64];
     FILE* file = fopen( "/proc/self/cgroup", "r" );
-    double cores = INFINITY;
+    double least = INFINITY;
+    snprintf( root, sizeof root, "/sys/fs/cgroup/%s", controller );
     while ( file != NULL && fgets( line, sizeof line, file ) != NULL )
     {
         line[strcspn( line, "\n" )] = '\0';
         const char* path = strchr( line, '/' );
-        // "0::/a/b" of version 2; "4:cpu,cpuacct:/a/b" of version 1
-        if ( path != NULL && strncmp( line, "0::/", 4 ) == 0 )
-            cores = fmin( cores, rf_cgroup_cores( "/sys/fs/cgroup", path ) );
-        else if ( path != NULL && ( strstr( line, ":cpu," ) != NULL || strstr( line, ":cpu:" ) != NULL ||
-                                    strstr( line, ",cpu:" ) != NULL || strstr( line, ",cpu," ) != NULL ) )
-            cores = fmin( cores, rf_cgroup_cores( "/sys/fs/cgroup/cpu", path ) );
+        if ( path != NULL && strncmp( line, "0::/", 4 ) == 0 ) // of version 2
+            least = fmin( least, least_up( "/sys/fs/cgroup", path, left_in ) );
+        else if ( path != NULL && has_controller( line, path, controller ) )
+            least = fmin( least, least_up( root, path, left_in ) );
     }
     if ( file != NULL )
         fclose( file );
-    return cores;
+    return least;
 }
 
-// Free memory of the control groups that this process is in.
-static size_t own_cgroup_free_memory( void )
-{
-    char line[4096];
-    FILE* file = fopen( "/proc/self/cgroup", "r" );
-    if ( file == NULL )
-        return SIZE_MAX;
-    size_t left = SIZE_MAX;
-    while ( fgets( line, sizeof line, file ) != NULL )
-    {
-        line[strcspn( line, "\n" )] = '\0';
-        const char* path = strchr( line, '/' );
-        if ( path == NULL )
-            continue;
-        // "0::/a/b" of version 2; "4:memory:/a/b", or "4:cpu,memory:/a/b", of version 1
-        const char* name = strstr( line, "memory" );
-        size_t here = SIZE_MAX;
-        if ( strncmp( line, "0::/", 4 ) == 0 )
-            here = rf_cgroup_free_memory( "/sys/fs/cgroup", path );
-        else if ( name != NULL && name < path )
-            here = rf_cgroup_free_memory( "/sys/fs/cgroup/memory", path );
-        left = here < left ? here : left;
-    }
-    fclose( file );
-    return left;
-}
-
-double rf_wall_seconds( void )
+static double seconds_of( clockid_t clock )
 {
     struct timespec now;
-    clock_gettime( CLOCK_MONOTONIC, &now );
+    clock_gettime( clock, &now );
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-double rf_thread_seconds( void )
-{
-    struct timespec now;
-    clock_gettime( CLOCK_THREAD_CPUTIME_ID, &now );
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
+double rf_wall_seconds( void ) { return seconds_of( CLOCK_MONOTONIC ); }
 
-double rf_process_seconds( void )
-{
-    struct timespec now;
-    clock_gettime( CLOCK_PROCESS_CPUTIME_ID, &now );
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
+double rf_thread_seconds( void ) { return seconds_of( CLOCK_THREAD_CPUTIME_ID ); }
+
+double rf_process_seconds( void ) { return seconds_of( CLOCK_PROCESS_CPUTIME_ID ); }
 
 // What RLIMIT_AS (ulimit -v) leaves of the address space.
 static size_t free_address_space( void )
@@ -183,33 +144,21 @@ static size_t free_address_space( void )
     unsigned long long pages = 0;
     if ( getrlimit( RLIMIT_AS, &limit ) != 0 || limit.rlim_cur == RLIM_INFINITY )
         return SIZE_MAX;
-    FILE* file = fopen( "/proc/self/statm", "r" );
-    if ( file == NULL )
-        return SIZE_MAX;
-    bool known = fscanf( file, "%llu", &pages ) == 1;
-    fclose( file );
+    bool known = read_number( "/proc/self", "statm", "", &pages );
     unsigned long long used = pages * (unsigned long long)sysconf( _SC_PAGESIZE );
     return !known ? SIZE_MAX : used < limit.rlim_cur ? (size_t)( limit.rlim_cur - used ) : 0;
 }
 
 size_t rf_permitted_memory( void )
 {
-    size_t group = own_cgroup_free_memory(), space = free_address_space();
+    size_t group = whole_bytes( least_of_own_groups( "memory", memory_in ) ), space = free_address_space();
     return group < space ? group : space;
 }
 
 size_t rf_free_memory( void )
 {
     unsigned long long kib = 0;
-    FILE* file = fopen( "/proc/meminfo", "r" );
-    if ( file != NULL )
-    {
-        char line[256];
-        while ( fgets( line, sizeof line, file ) != NULL && sscanf( line, "MemAvailable: %llu kB", &kib ) != 1 )
-        {
-        }
-        fclose( file );
-    }
+    read_number( "/proc", "meminfo", "MemAvailable:", &kib );
     size_t machine = kib > 0 ? (size_t)kib * 1024 : (size_t)1 << 30, permitted = rf_permitted_memory();
     return permitted < machine ? permitted : machine;
 }
@@ -223,7 +172,7 @@ void rf_format_memory( size_t bytes, char text[RF_BYTES_TEXT_SIZE] )
 int rf_core_count( void )
 {
     int cores = omp_get_num_procs(); // of the CPU set
-    double quota = ceil( own_cgroup_cores() );
+    double quota = ceil( least_of_own_groups( "cpu", cores_in ) );
     return quota >= 1.0 && quota < cores ? (int)quota : cores;
 }
 

@@ -5,13 +5,9 @@
 
 #include <stddef.h>
 
-// Wall-clock seconds, monotonic.
+// Seconds of a monotonic clock, and CPU seconds of this thread and of all threads of the process.
 double rf_wall_seconds( void );
-
-// CPU seconds of this thread.
 double rf_thread_seconds( void );
-
-// CPU seconds of all threads of the process.
 double rf_process_seconds( void );
 
 // Bytes that the limits of the process still leave it: of its control groups, and of ulimit -v. SIZE_MAX: no limit.

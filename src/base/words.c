@@ -1,4 +1,4 @@
-// Ends of names; the nearest word by Levenshtein's edit distance, for suggestions in error messages.
+// Ends of names, sets of words; the nearest word by Levenshtein's edit distance, for suggestions in error messages.
 #include "base/words.h"
 
 #include <stdio.h>
@@ -77,4 +77,31 @@ const char* rf_nearest_word( const char* word, const char* const* words, int cou
         }
     }
     return nearest;
+}
+
+RfResult rf_parse_words( const RfWordSet* of, const char* text, unsigned* set, RfError* error )
+{
+    *set = 0;
+    while ( text != NULL )
+    {
+        char word[32];
+        size_t length = strcspn( text, "," );
+        unsigned found = 0;
+        snprintf( word, sizeof word, "%.*s", (int)( length < 31 ? length : 31 ), text );
+        for ( int i = 0; i < of->count; ++i )
+            found |= strcmp( word, of->words[i] ) == 0 ? of->bits[i] : 0;
+        const char* nearest = found == 0 && length > 0 ? rf_nearest_word( word, of->words, of->count ) : NULL;
+        if ( nearest != NULL )
+            return rf_fail( error, RF_ERROR_USAGE, "unknown %s '%s', did you mean %s?", of->what, word, nearest );
+        if ( found == 0 )
+            return rf_fail( error, RF_ERROR_USAGE, "unknown %s '%s', expected %s", of->what, word, of->expected );
+        for ( int i = 0; i < of->count; ++i )
+        {
+            if ( ( of->bits[i] & found & *set ) != 0 )
+                return rf_fail( error, RF_ERROR_USAGE, "%s %s is given twice", of->given, of->words[i] );
+        }
+        *set |= found;
+        text = text[length] == ',' ? text + length + 1 : NULL;
+    }
+    return RF_OK;
 }

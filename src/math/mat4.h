@@ -3,6 +3,8 @@
 #ifndef REFRAME_MATH_MAT4_H
 #define REFRAME_MATH_MAT4_H
 
+#include "math/quat.h"
+
 typedef struct RfMat4
 {
     double m[16];
@@ -30,12 +32,8 @@ static inline RfMat4 rf_mat4_mul( const RfMat4* a, const RfMat4* b )
 // translates by t.
 static inline RfMat4 rf_mat4_from_trs( const double t[3], const double q[4], const double s[3] )
 {
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    double r[9] = {
-        1 - 2 * ( y * y + z * z ), 2 * ( x * y + z * w ),     2 * ( x * z - y * w ),
-        2 * ( x * y - z * w ),     1 - 2 * ( x * x + z * z ), 2 * ( y * z + x * w ),
-        2 * ( x * z + y * w ),     2 * ( y * z - x * w ),     1 - 2 * ( x * x + y * y ),
-    };
+    double r[9];
+    rf_quat_axes( q, r );
     RfMat4 out = rf_mat4_identity();
     for ( int c = 0; c < 3; ++c )
     {
