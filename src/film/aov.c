@@ -34,66 +34,27 @@ int rf_aov_channels( RfAov aov ) { return (int)strlen( s_aovs[aov].letters ); }
 
 bool rf_aov_is_half( RfAov aov ) { return s_aovs[aov].half; }
 
-static bool is_word( const char* name, const char* word, size_t length )
-{
-    return strlen( name ) == length && strncmp( name, word, length ) == 0;
-}
-
-// The AOVs called by `length` characters, 0 if there are none.
-static unsigned find_aovs( const char* word, size_t length )
-{
-    if ( is_word( RF_GRADIENT_AOVS_NAME, word, length ) )
-        return RF_GRADIENT_AOVS;
-    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
-    {
-        if ( is_word( rf_aov_name( (RfAov)i ), word, length ) )
-            return RF_AOV_BIT( i );
-    }
-    return 0;
-}
-
-static RfResult fail_unknown( const char* word, size_t length, RfError* error )
-{
-    const char* names[RF_AOV_ALPHA + 1] = { [RF_AOV_ALPHA] = RF_GRADIENT_AOVS_NAME };
-    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
-        names[i] = rf_aov_name( (RfAov)i );
-    char copy[32], all[RF_AOVS_TEXT_SIZE];
-    snprintf( copy, sizeof copy, "%.*s", (int)( length < 31 ? length : 31 ), word );
-    const char* nearest = length > 0 ? rf_nearest_word( copy, names, RF_AOV_ALPHA + 1 ) : NULL;
-    if ( nearest != NULL )
-        return rf_fail( error, RF_ERROR_USAGE, "unknown AOV '%s', did you mean %s?", copy, nearest );
-    rf_format_aovs( RF_ALL_AOVS, all, sizeof all );
-    return rf_fail( error, RF_ERROR_USAGE, "unknown AOV '%s', expected %s", copy, all );
-}
-
 RfResult rf_parse_aovs( const char* text, unsigned* aovs, RfError* error )
 {
-    *aovs = 0;
-    while ( text != NULL )
+    const char* words[RF_AOV_ALPHA + 1] = { [RF_AOV_ALPHA] = RF_GRADIENT_AOVS_NAME };
+    unsigned bits[RF_AOV_ALPHA + 1] = { [RF_AOV_ALPHA] = RF_GRADIENT_AOVS };
+    char all[RF_AOVS_TEXT_SIZE];
+    for ( int i = 0; i < RF_AOV_ALPHA; ++i )
     {
-        size_t length = strcspn( text, "," );
-        unsigned found = find_aovs( text, length );
-        if ( found == 0 )
-            return fail_unknown( text, length, error );
-        for ( int i = 0; i < RF_AOV_ALPHA; ++i )
-        {
-            if ( ( *aovs & found & RF_AOV_BIT( i ) ) != 0 )
-                return rf_fail( error, RF_ERROR_USAGE, "AOV %s is given twice", rf_aov_name( (RfAov)i ) );
-        }
-        *aovs |= found;
-        text = text[length] == ',' ? text + length + 1 : NULL;
+        words[i] = s_aovs[i].name;
+        bits[i] = RF_AOV_BIT( i );
     }
-    return RF_OK;
+    rf_format_aovs( RF_ALL_AOVS, all, sizeof all );
+    return rf_parse_words( &( RfWordSet ){ "AOV", "AOV", all, words, bits, RF_AOV_ALPHA + 1 }, text, aovs, error );
 }
 
 void rf_format_aovs( unsigned aovs, char* text, size_t size )
 {
-    size_t used = 0;
     text[0] = '\0';
-    for ( int i = 0; i < RF_AOV_COUNT && used < size; ++i )
+    for ( int i = 0; i < RF_AOV_COUNT; ++i )
     {
         if ( ( aovs & RF_AOV_BIT( i ) ) != 0 )
-            used += (size_t)snprintf( text + used, size - used, "%s%s", used > 0 ? "," : "", rf_aov_name( (RfAov)i ) );
+            rf_append( text, size, "%s%s", text[0] != '\0' ? "," : "", s_aovs[i].name );
     }
 }
 
@@ -118,32 +79,12 @@ static FilteredPixel filtered_pixel( float* pixels, int channels, int pixel )
     return ( FilteredPixel ){ at, at + channels, at + channels + 1, at + 2 * channels + 1 };
 }
 
-// The switches over AOVs have no default, so that the compiler names those where a new row is missing.
-
 int rf_aov_film_floats( RfAov aov, bool filtered )
 {
     int channels = rf_aov_channels( aov );
-    switch ( aov )
-    {
-        case RF_AOV_ALBEDO:
-        case RF_AOV_NORMAL:
-        case RF_AOV_DENOISE_ALBEDO:
-        case RF_AOV_DENOISE_NORMAL:
-        case RF_AOV_MOTION: return filtered && is_filtered( aov ) ? filtered_floats( channels ) : channels;
-        case RF_AOV_DEPTH: return channels + 1;
-        case RF_AOV_SAMPLES: return channels;
-        case RF_AOV_OBJECT_INDEX: // film/covering.h
-        case RF_AOV_MATERIAL_INDEX:
-        case RF_AOV_REMOVED: // made from the films of the colour
-        RF_PASS_AOV_CASES:
-        case RF_AOV_VARIANCE:
-        case RF_AOV_PRIMAL:
-        case RF_AOV_DX:
-        case RF_AOV_DY: return 0;
-        case RF_AOV_ALPHA: return 2;
-        case RF_AOV_COUNT: break;
-    }
-    return 0;
+    if ( ( RF_FIRST_HIT_AOVS & RF_AOV_BIT( aov ) ) != 0 )
+        return filtered && is_filtered( aov ) ? filtered_floats( channels ) : channels + ( aov == RF_AOV_DEPTH );
+    return aov == RF_AOV_SAMPLES ? channels : aov == RF_AOV_ALPHA ? 2 : 0; // all others are made from films
 }
 
 static void clear_pixels( RfAovFilm* film, size_t first, size_t count )
@@ -251,7 +192,6 @@ static void store( float* value, RfVec3 v )
 _Static_assert( true RF_AOV_LIST( CHANNELS_FIT ), "channels of an AOV" );
 #undef CHANNELS_FIT
 
-// Hit i.
 static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
 {
     const RfVertexLanes* v = first.hits;
@@ -272,7 +212,8 @@ static Seen seen_at( const RfAovJob* job, RfFirstHits first, int i )
     return seen;
 }
 
-// An AOV where a camera ray hits.
+// An AOV where a camera ray hits. The switches over AOVs have no default, so that the compiler names those where a new row is
+// missing.
 static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int i, float value[MOST_CHANNELS] )
 {
     const RfVertexLanes* v = first.hits;
@@ -399,7 +340,6 @@ typedef struct Spread
     int first_row, end_row; // that get something
 } Spread;
 
-// Adds the sample of pixel (x, y) to those around it.
 static void spread_sample( const Spread* s, int x, int y )
 {
     const RfPixelFilter* filter = s->filter;
@@ -488,7 +428,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, normalize, image ); break;
-        case RF_AOV_REMOVED: rf_combine_removed( colour, normalize, image ); break;
+        case RF_AOV_REMOVED: rf_combine_part( colour, colour + 1, normalize, image ); break;
         case RF_AOV_PRIMAL: rf_combine_film( colour, RF_NORMALIZE_RATIO, image, NULL ); break;
         case RF_AOV_DX:
         case RF_AOV_DY:

@@ -30,7 +30,7 @@ static inline bool rf_finds_features( const RfRenderSettings* settings ) { retur
     case RF_AOV_REFLECTION:                                                                                                      \
     case RF_AOV_TRANSMISSION
 
-// Of the films of gradients, what differences lack (src/gradient/films.h).
+// Of the films of gradients, what differences lack (src/gradient/gradient.h).
 #define RF_UNSHARED_FILM 4
 
 typedef struct RfAovFilm
@@ -55,8 +55,6 @@ typedef struct RfAovFilm
 
 // Floats (or counts) per pixel that an AOV needs while it is rendered; `filtered`: with another than the plain filter.
 int rf_aov_film_floats( RfAov aov, bool filtered );
-
-// Sets all sums and counts to 0.
 void rf_clear_aov_film( RfAovFilm* film, int width, int height );
 
 // The camera rays of a batch and their hits.

@@ -5,6 +5,7 @@
 #include "scene/placement.h"
 #include "trace/trace.h"
 
+#include <jansson.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,40 +55,23 @@ uint32_t rf_cryptomatte_id( const char* name )
 RfResult rf_parse_cryptomatte( const char* text, unsigned* kinds, RfError* error )
 {
     const char* words[RF_CRYPTOMATTE_KINDS];
+    unsigned bits[RF_CRYPTOMATTE_KINDS];
     for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
-        words[k] = g_rf_cryptomatte_kinds[k].word;
-    *kinds = 0;
-    while ( text != NULL )
     {
-        char word[32];
-        size_t length = strcspn( text, "," );
-        int k = 0;
-        snprintf( word, sizeof word, "%.*s", (int)( length < 31 ? length : 31 ), text );
-        while ( k < RF_CRYPTOMATTE_KINDS && strcmp( word, words[k] ) != 0 )
-            ++k;
-        const char* nearest =
-            k == RF_CRYPTOMATTE_KINDS && length > 0 ? rf_nearest_word( word, words, RF_CRYPTOMATTE_KINDS ) : NULL;
-        if ( nearest != NULL )
-            return rf_fail( error, RF_ERROR_USAGE, "unknown Cryptomatte '%s', did you mean %s?", word, nearest );
-        if ( k == RF_CRYPTOMATTE_KINDS )
-            return rf_fail( error, RF_ERROR_USAGE, "unknown Cryptomatte '%s', expected object, material or asset", word );
-        if ( ( *kinds & 1u << k ) != 0 )
-            return rf_fail( error, RF_ERROR_USAGE, "Cryptomatte of kind %s is given twice", word );
-        *kinds |= 1u << k;
-        text = text[length] == ',' ? text + length + 1 : NULL;
+        words[k] = g_rf_cryptomatte_kinds[k].word;
+        bits[k] = 1u << k;
     }
-    return RF_OK;
+    RfWordSet set = { "Cryptomatte", "Cryptomatte of kind", "object, material or asset", words, bits, RF_CRYPTOMATTE_KINDS };
+    return rf_parse_words( &set, text, kinds, error );
 }
 
 void rf_format_cryptomatte( unsigned kinds, char text[RF_CRYPTOMATTE_TEXT_SIZE] )
 {
-    size_t used = 0;
     text[0] = '\0';
     for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
     {
         if ( ( kinds & 1u << k ) != 0 )
-            used += (size_t)snprintf( text + used, RF_CRYPTOMATTE_TEXT_SIZE - used, "%s%s", used > 0 ? "," : "",
-                                      g_rf_cryptomatte_kinds[k].word );
+            rf_append( text, RF_CRYPTOMATTE_TEXT_SIZE, "%s%s", text[0] != '\0' ? "," : "", g_rf_cryptomatte_kinds[k].word );
     }
 }
 
@@ -190,48 +174,6 @@ void rf_finish_cryptomatte( const RfCovering* pixels, size_t count, const RfCryp
 
 // The manifest.
 
-// A text that grows.
-typedef struct Text
-{
-    char* bytes; // NULL: there is no memory
-    size_t size, room;
-} Text;
-
-static void append( Text* text, const char* bytes, size_t size )
-{
-    if ( text->bytes != NULL && text->size + size + 1 > text->room )
-    {
-        text->room = 2 * ( text->size + size + 1 );
-        char* grown = realloc( text->bytes, text->room );
-        if ( grown == NULL )
-            free( text->bytes );
-        text->bytes = grown;
-    }
-    if ( text->bytes == NULL )
-        return;
-    memcpy( text->bytes + text->size, bytes, size );
-    text->size += size;
-    text->bytes[text->size] = '\0';
-}
-
-// A string of JSON (RFC 8259, section 7).
-static void append_string( Text* text, const char* string )
-{
-    append( text, "\"", 1 );
-    for ( ; *string != '\0'; ++string )
-    {
-        char escaped[8];
-        unsigned char byte = (unsigned char)*string;
-        if ( byte == '"' || byte == '\\' )
-            append( text, escaped, (size_t)snprintf( escaped, sizeof escaped, "\\%c", *string ) );
-        else if ( byte < 0x20 )
-            append( text, escaped, (size_t)snprintf( escaped, sizeof escaped, "\\u%04x", byte ) );
-        else
-            append( text, string, 1 );
-    }
-    append( text, "\"", 1 );
-}
-
 // The names of a kind that surfaces have, some more than once; NULL: there is no memory.
 static const char** list_names( const RfScene* scene, int kind, int* listed )
 {
@@ -257,28 +199,17 @@ static const char** list_names( const RfScene* scene, int kind, int* listed )
     return names;
 }
 
-static int compare_texts( const void* a, const void* b ) { return strcmp( *(const char* const*)a, *(const char* const*)b ); }
-
 char* rf_cryptomatte_manifest( const RfScene* scene, int kind )
 {
     int listed;
     const char** names = list_names( scene, kind, &listed );
-    Text text = { names != NULL ? malloc( 64 ) : NULL, 0, 64 };
-    if ( listed > 0 )
-        qsort( names, (size_t)listed, sizeof *names, compare_texts );
-    append( &text, "{", 1 );
+    json_t* ids = names != NULL ? json_object() : NULL;
     for ( int i = 0; i < listed; ++i )
-    {
-        char id[16];
-        if ( i > 0 && strcmp( names[i], names[i - 1] ) == 0 )
-            continue;
-        append( &text, ",", i > 0 );
-        append_string( &text, names[i] );
-        append( &text, id, (size_t)snprintf( id, sizeof id, ":\"%08x\"", rf_cryptomatte_id( names[i] ) ) );
-    }
-    append( &text, "}", 1 );
+        json_object_set_new( ids, names[i], json_sprintf( "%08x", rf_cryptomatte_id( names[i] ) ) );
+    char* text = ids != NULL ? json_dumps( ids, JSON_COMPACT | JSON_SORT_KEYS ) : NULL;
+    json_decref( ids );
     free( names );
-    return text.bytes;
+    return text;
 }
 
 // A name with its id, in the kinds that have it.

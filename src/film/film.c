@@ -3,7 +3,6 @@
 #include "film/film.h"
 
 #include "base/fault.h"
-#include "film/normalize.h"
 #include "math/fastmath.h"
 #include "trace/trace.h"
 
@@ -151,11 +150,6 @@ static RfFilmPixel part_pixel( const RfFilm* film, const RfFilm* part, size_t i 
         memcpy( p.own[h], of_part.own[h], 3 * sizeof( double ) );
     }
     return p;
-}
-
-void rf_combine_removed( const RfFilm* films, RfNormalize normalize, float* rgb )
-{
-    rf_combine_part( films, films + 1, normalize, rgb );
 }
 
 void rf_combine_part( const RfFilm* film, const RfFilm* part, RfNormalize normalize, float* rgb )

@@ -18,7 +18,7 @@
 #include "film/film_error.h"
 
 #include "film/brightness.h"
-#include "film/normalize.h"
+#include "film/film.h"
 #include "trace/trace.h"
 
 #include <math.h>
@@ -148,7 +148,6 @@ static double rare_light( const Values* v, int columns, int rows, double* all )
     return fmax( sum, 0.0 ) / ( columns * rows );
 }
 
-// The bin of a positive term.
 static int bin_of( double likely )
 {
     int exponent;

@@ -45,7 +45,6 @@ static inline RfRelmse rf_plain_relmse( double relmse )
     return ( RfRelmse ){ .likely = relmse, .least = relmse, .specks.rest = relmse };
 }
 
-// The figure that is reported.
 static inline double rf_reported_relmse( const RfRelmse* r ) { return r->is_lower_bound ? r->least : r->likely; }
 
 // With what is only known to be a lower bound, 19 of 20 true errors are below so many times `likely`.
@@ -75,8 +74,6 @@ void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error
 // The flicker of two films, or of what was kept of the film before and a film.
 RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfNormalize normalize );
 RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize normalize );
-
-// Mean square of the error of one film.
 double rf_film_mean_square( const RfFilm* film, RfNormalize normalize );
 
 // F1² (E13).

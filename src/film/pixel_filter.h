@@ -29,7 +29,6 @@ typedef struct RfPixelFilter
 // The names of filters, as users write them, in the order of RfFilter, with NULL at the end.
 extern const char* const rf_filter_words[];
 
-// Is there a filter of this number?
 bool rf_is_filter( RfFilter filter );
 
 // Is there a filter? NULL stands for the box of one pixel.
@@ -44,8 +43,6 @@ static inline bool rf_is_plain_filter( const RfRenderSettings* settings )
 
 // Pixels that a sample counts in.
 int rf_filter_pixels( const RfRenderSettings* settings );
-
-// Tabulates the filter of resolved settings.
 void rf_make_pixel_filter( const RfRenderSettings* settings, RfPixelFilter* filter );
 
 // What is left of the integral of h around pixel p within a film of `size` pixels.

@@ -22,7 +22,7 @@ RF_API_BEGIN
 //     FILMS          the films of the colour, or counts of samples
 //
 // To add one: a row here, what it is in film/aov.c: at a hit and a miss (value_at_hit, value_at_miss), or as made from films
-// (rf_aov_film_floats, rf_finish_aov), and how it is shown (look_of in page/pass_groups.c). The compiler warns of
+// (rf_finish_aov), and how it is shown (look_of in page/pass_groups.c). The compiler warns of
 // each that lacks the row. Options, files, attributes, the budget and the manual follow from it.
 #define RF_AOV_LIST( X )                                                                                                         \
     X( ALBEDO, "albedo", "RGB", true, FILTERED_HITS, "reflectance for light along the normal; 0 where nothing is hit" )          \

@@ -1,7 +1,6 @@
 // Frames of rooms in which something moves (src/reuse/estimators.md, section 18), rendered with groups and tiles, have the mean of
 // path tracing of a still room each, which a script made without any movement (tests/support/moving_rooms.py).
 #include "film/film.h"
-#include "film/normalize.h"
 #include "render/estimator.h"
 #include "support/moving_cases.h"
 #include "support/statistics.h"
