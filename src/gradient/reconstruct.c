@@ -1,9 +1,8 @@
 // Reconstructs an image from pixels and differences: checks the input, computes weights, solves, and sets the
 // level of what no weight determines.
-#include "gradient/reconstruct_internal.h"
+#include "gradient/solver.h"
 
 #include "base/fault.h"
-#include "gradient/solver.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -125,7 +124,6 @@ static RfResult check_gradients( const RfGradientImages* in, const RfGradientWei
 
 static size_t pixels_of( const RfGradientSystem* system ) { return (size_t)system->width * (size_t)system->height; }
 
-// Whether some pixel has no primal weight.
 static bool lacks_primal( const RfGradientSystem* system )
 {
     for ( size_t i = 0; i < pixels_of( system ); ++i )

@@ -2,11 +2,34 @@
 #ifndef REFRAME_GRADIENT_SOLVER_H
 #define REFRAME_GRADIENT_SOLVER_H
 
-#include "gradient/linear_system.h"
-
+#include "base/layout.h"
 #include "reframe/error.h"
+#include "reframe/reconstruct.h"
 
 #include <stddef.h>
+
+// Planes of weights. Those of pairs that leave the image are 0: b_x of the last column, b_y of the last row.
+typedef struct RfGradientSystem
+{
+    int width, height;
+    float *a, *b_x, *b_y;
+    float* inverse_diagonal; // 0 where the diagonal is
+} RfGradientSystem;
+
+#define RF_MULTIGRID_LEVELS 16
+
+// The systems from fine to coarse; level 0 is the caller's.
+typedef struct RfMultigrid
+{
+    int count;
+    RfGradientSystem levels[RF_MULTIGRID_LEVELS];
+} RfMultigrid;
+
+// Vectors of one solve. Level 0 has only `t`.
+typedef struct RfMultigridVectors
+{
+    float *x[RF_MULTIGRID_LEVELS], *b[RF_MULTIGRID_LEVELS], *t[RF_MULTIGRID_LEVELS];
+} RfMultigridVectors;
 
 // Cosine transform of an image with Neumann borders, which diagonalises the system with constant weights
 // (FFTW, DCT-II and its inverse).
@@ -16,17 +39,6 @@ typedef struct RfCosineTransform
     void *forward, *backward; // plans of FFTW
     double* eigenvalues;      // of Dxᵀ Dx, one per column
 } RfCosineTransform;
-
-// Plans transforms of width·height floats in place. Any thread may call it. The plan depends on the size alone
-// (FFTW_ESTIMATE). `plane` is any plane, which is not changed. Fails with RF_ERROR_MEMORY.
-RfResult rf_create_transform( int width, int height, float* plane, RfCosineTransform* transform, RfError* error );
-
-// Frees the plans. Takes an empty struct.
-void rf_destroy_transform( RfCosineTransform* transform );
-
-// Solves (a + b_x Dxᵀ Dx + b_y Dyᵀ Dy) u = r in place, for constant weights, a > 0. `plane` is aligned as the one of the
-// plan. Several threads may use one transform.
-void rf_solve_constant( const RfCosineTransform* transform, double a, double b_x, double b_y, float* plane );
 
 // The data of one channel, times `scale`, and the vectors of its solve. The solution is `u`.
 typedef struct RfGradientChannel
@@ -56,13 +68,10 @@ typedef struct RfGradientSolver
 RfResult rf_create_solver( const RfGradientImages* in, float scale, const RfReconstructOptions* options, RfGradientSolver* solver,
                            RfError* error );
 
-// Frees the memory that rf_create_solver allocated.
 void rf_destroy_solver( RfGradientSolver* solver );
 
 // Solves all channels by conjugate gradients, with the weights that are in solver->system.
 void rf_solve_weighted( const RfReconstructOptions* options, RfGradientSolver* solver );
-
-// How the solves went.
 RfReconstructInfo rf_solver_info( const RfGradientSolver* solver );
 
 // Writes the solution times `share` into interleaved `rgb`, or adds it. Fails with RF_ERROR_USAGE where it is not
@@ -71,5 +80,10 @@ RfResult rf_write_solution( const RfGradientSolver* solver, double share, bool a
 
 // Solves all channels with constant weights a and 1. Fails with RF_ERROR_MEMORY.
 RfResult rf_solve_constant_channels( double a, RfGradientSolver* solver, RfError* error );
+
+// Weights of the primal (a), dx and dy (b_x, b_y) from the variances of a half: inverse averages over 5x5 pixels
+// without much brighter ones, bounded from above, in units of a typical one. The last column of b_x and the last
+// row of b_y are 0. `scratch` are two floats per pixel.
+void rf_weights_of_half( const RfGradientHalf* half, float* const scratch[2], float* a, float* b_x, float* b_y );
 
 #endif

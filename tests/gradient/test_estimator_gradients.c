@@ -1,7 +1,7 @@
 // Pixels and differences of neighbours are unbiased, and so is the picture that is made of them, against independent
 // references over 16 seeds: with tiles of several sizes, cut by the border of the film, and by gradient-domain path
 // tracing; on glossy surfaces, with glass in the tiles; the long run adds diffuse rooms, alpha blending, panes and a sky.
-#include "gradient/films.h"
+#include "gradient/gradient.h"
 #include "support/rooms.h"
 #include "support/scene_builder.h"
 #include "support/statistics.h"

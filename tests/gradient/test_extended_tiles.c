@@ -1,6 +1,6 @@
 // In every pass the tiles' own pixels, whose AOVs count, cover the film exactly once, for tiles of any size and film.
 #include "support/test.h"
-#include "gradient/sampling.h"
+#include "gradient/gradient.h"
 
 enum
 {

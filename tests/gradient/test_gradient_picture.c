@@ -1,7 +1,7 @@
 // The picture of the gradient estimator's films: samples that are not finite and solves that do not converge are reported of,
 // and the variance is that of the picture's halves.
 #include "support/test.h"
-#include "gradient/films.h"
+#include "gradient/gradient.h"
 
 #include "base/random.h"
 

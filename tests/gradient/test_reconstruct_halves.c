@@ -1,7 +1,7 @@
 // The cross-fitted reconstruction is unbiased, under noise whose variance estimates go with the noise
 // itself; weights from the same half are not.
 #include "base/random.h"
-#include "gradient/reconstruct_internal.h"
+#include "gradient/solver.h"
 #include "support/statistics.h"
 #include "support/test.h"
 
