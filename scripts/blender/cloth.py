@@ -48,7 +48,7 @@ def charlie_lambda(cosine, alpha):
 
 
 def limit(cosine, roughness):
-    """What keeps rough fits from reflecting more than arrives: src/bsdf/sheen.c."""
+    """What keeps rough fits from reflecting more than arrives: src/bsdf/layered.c."""
     r = min(roughness, 0.5)
     return numpy.minimum(1.0, (5.07 - 5.08 * r) * r + cosine * (4.145 + 10.47 * cosine / roughness))
 

@@ -289,7 +289,7 @@ class Layers:
 
 
 class Shell:
-    """glTF's surface, with a coat that is added, as Reframe has it (src/bsdf/ggx.c, coat.c): its mean is that of the coats, and `below`
+    """glTF's surface, with a coat that is added, as Reframe has it (src/bsdf/ggx.c, layered.c): its mean is that of the coats, and `below`
     times the base."""
 
     def __init__(self, layers, f0, specular):

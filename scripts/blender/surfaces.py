@@ -337,7 +337,7 @@ def brightness(s, cosines, albedo, n=256):
 def cloth(t, s, light):
     """The shader, and how it differs."""
     if light == "sun" or light == "even" and not s.is_folded:
-        limited = s.sheen_roughness < 0.28  # see src/bsdf/sheen.c
+        limited = s.sheen_roughness < 0.28  # see src/bsdf/layered.c
         return cloth_by_formula(t, s, light), {"differs": "reflects more than falls in"} if limited else {}
     if s.coat > 0.0:
         raise Absent("no Charlie under a coat")

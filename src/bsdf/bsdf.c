@@ -64,18 +64,6 @@ const RfBsdfModel g_rf_bsdf_models[RF_BSDF_KIND_COUNT] = {
                            .sample_weighted = rf_spectral_sample },
 };
 
-static void shift( int first, const float* const from[3], const float* to[3] )
-{
-    for ( int c = 0; c < 3; ++c )
-        to[c] = from[c] + first;
-}
-
-static void shift_out( int first, float* const from[3], float* to[3] )
-{
-    for ( int c = 0; c < 3; ++c )
-        to[c] = from[c] + first;
-}
-
 // The lanes after the first block go by shifted arrays.
 void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
                        float* const f[3], float* pdf_solid_angle )
@@ -87,10 +75,12 @@ void rf_bsdf_evaluate( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, con
         const float *o[3], *in[3];
         float *out[3], *pdf = pdf_solid_angle != NULL ? pdf_solid_angle + first : NULL;
         RfBsdfLanes block = rf_bsdf_lanes( kind, lanes->n, lanes->param, first );
-        shift( first, wo, o );
-        shift( first, wi, in );
-        if ( f != NULL )
-            shift_out( first, f, out );
+        for ( int c = 0; c < 3; ++c )
+        {
+            o[c] = wo[c] + first;
+            in[c] = wi[c] + first;
+            out[c] = f != NULL ? f[c] + first : NULL;
+        }
         int left = count - first;
         model->evaluate( left < RF_BLOCK ? left : RF_BLOCK, &block, o, in, f != NULL ? out : NULL, pdf );
     }
@@ -106,9 +96,12 @@ void rf_bsdf_sample( RfBsdfKind kind, int count, const RfBsdfLanes* lanes, const
         const float *o[3], *random[3];
         float* out[3];
         RfBsdfLanes block = rf_bsdf_lanes( kind, lanes->n, lanes->param, first );
-        shift( first, wo, o );
-        shift( first, u, random );
-        shift_out( first, wi, out );
+        for ( int c = 0; c < 3; ++c )
+        {
+            o[c] = wo[c] + first;
+            random[c] = u[c] + first;
+            out[c] = wi[c] + first;
+        }
         int left = count - first;
         model->sample( left < RF_BLOCK ? left : RF_BLOCK, &block, o, random, out );
     }

@@ -48,13 +48,6 @@ RF_KERNEL FacetsIn facets_in( FacetsOf of, const RfBsdfLanes* lanes )
     return in;
 }
 
-// (1 − cos)⁵ of Schlick's Fresnel; rounding may have made the cosine exceed 1.
-RF_KERNEL float schlick_weight( float cos_theta )
-{
-    float m = rf_maxf( 1.0f - cos_theta, 0.0f ), m2 = m * m;
-    return m2 * m2 * m;
-}
-
 // At one angle: F, and T.
 typedef struct Fresnel
 {
@@ -64,7 +57,7 @@ typedef struct Fresnel
 
 RF_KERNEL Fresnel fresnel_at( FacetsOf of, const FacetsIn* in, int i, float cos_theta )
 {
-    float weight = schlick_weight( cos_theta ), grazing = in->ggx.f90[i] * weight, rest = 1.0f - weight;
+    float weight = rf_schlick_weight( cos_theta ), grazing = in->ggx.f90[i] * weight, rest = 1.0f - weight;
     RfVec3 specular = rf_at( in->ggx.specular, i );
     RfVec3 bare = rf_vec3( specular.x * rest + grazing, specular.y * rest + grazing, specular.z * rest + grazing );
     float f0 = in->ggx.coat_f0[i], lost = f0 + ( in->ggx.coat_f90[i] - f0 ) * weight;
@@ -215,7 +208,7 @@ RF_KERNEL RfVec3 sample_lane( Stretch g, RfVec3 n, RfVec3 o, float cos_o, float 
     RfVec3 mirrored = rf_sub( rf_scale( h, 2.0f * rf_dot( o, h ) / rf_dot( h, h ) ), o );
     float around = sqrtf( u );
     RfVec3 base = rf_madd( rf_madd( rf_scale( g.t, around * c ), g.b, around * s ), n, sqrtf( 1.0f - u ) );
-    return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y, is_specular ? mirrored.z : base.z );
+    return rf_choose( is_specular, mirrored, base );
 }
 
 RF_KERNEL void sample_block( FacetsOf of, int count, const FacetsIn* in, const RfEyeBlock* eyes, const DrawBlock* draw,

@@ -15,15 +15,6 @@ typedef struct Parameters
     float alpha, f90, coat_f0, coat_f90;
 } Parameters;
 
-RF_KERNEL float fifth_power( float x )
-{
-    float x2 = x * x;
-    return x2 * x2 * x;
-}
-
-// (1 − cos)⁵ of Schlick's Fresnel; rounding may have made the cosine exceed 1.
-RF_KERNEL float schlick_weight( float cos_theta ) { return fifth_power( rf_maxf( 1.0f - cos_theta, 0.0f ) ); }
-
 RF_KERNEL Parameters parameters_at( const RfGgxLanes* in, int i )
 {
     return ( Parameters ){ rf_at( in->diffuse, i ), rf_at( in->specular, i ), in->alpha[i], in->f90[i],
@@ -71,9 +62,9 @@ RF_KERNEL RfScattering scatter( RfVec3 n, RfEyeLane eye, RfVec3 wi, Parameters p
     float lobe = 0.5f * d / ( cos_o * si + cos_i * so ); // D G2 / (4 μo μi)
 
     // wo · h = |wo + wi| / 2
-    float weight_h = schlick_weight( 0.5f * sqrtf( length2 ) );
-    float weight_o = schlick_weight( cos_o );
-    float weight_i = schlick_weight( cos_i );
+    float weight_h = rf_schlick_weight( 0.5f * sqrtf( length2 ) );
+    float weight_o = rf_schlick_weight( cos_o );
+    float weight_i = rf_schlick_weight( cos_i );
     float base = RF_INV_PI * ( coat_transmission( &p, weight_o ) * coat_transmission( &p, weight_i ) );
 
     float lit = dot_i > 0.0f ? 1.0f : 0.0f;
@@ -115,8 +106,8 @@ RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 azimuth, float u, float
     RfVec3 h = sample_normal( n, eye, azimuth, u, p.alpha );
     RfVec3 mirrored = rf_sub( rf_scale( h, 2.0f * rf_dot( eye.wo, h ) / rf_dot( h, h ) ), eye.wo );
     RfVec3 base = rf_madd( rf_scale( azimuth, sqrtf( u ) ), n, sqrtf( 1.0f - u ) );
-    bool is_specular = u_lobe < specular_probability( &p, schlick_weight( eye.cos_o ) );
-    return rf_vec3( is_specular ? mirrored.x : base.x, is_specular ? mirrored.y : base.y, is_specular ? mirrored.z : base.z );
+    bool is_specular = u_lobe < specular_probability( &p, rf_schlick_weight( eye.cos_o ) );
+    return rf_choose( is_specular, mirrored, base );
 }
 
 RF_KERNEL void evaluate_block( int count, const RfBsdfLanes* lanes, const RfEyeBlock* eyes, const float* const wi[3],

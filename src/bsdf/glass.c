@@ -1,7 +1,77 @@
 // Mirrors and glass, smooth or rough: reflection and transmission of facets, over a base that may show through.
 #include "base/fault.h"
 #include "bsdf/lane.h"
-#include "bsdf/spectrum.h"
+#include "bsdf/thin_film.h"
+
+// What glass with dispersion or a thin film has of its own, by channel of light: the indices of refraction and the channels that a
+// path carries.
+typedef struct Spectrum
+{
+    float ior[3];   // of the far side over the near one
+    float share[3]; // of the channels in the light that the path carries; their sum is 1
+    float film, film_ior, film_thickness;
+    bool splits; // the channels refract differently
+} Spectrum;
+
+// The channels' indices over that of the outside, 1: three wavelengths on the straight line through the index at the Fraunhofer d
+// line, red and blue each half of nF − nC = (nd − 1) / V from green (KHR_materials_dispersion, implementation). dispersion: 20 / V.
+static inline void disperse( float ior, float dispersion, float out[3] )
+{
+    float half = ( ior - 1.0f ) * 0.025f * dispersion;
+    out[0] = rf_maxf( ior - half, 1.0f );
+    out[1] = ior;
+    out[2] = ior + half;
+}
+
+// As rf_pack_channels has them; their sum is 1.
+static inline void unpack_channels( float code, float share[3] )
+{
+    int bits = (int)code, channel[3] = { bits & 255, bits >> 8 & 255, bits >> 16 & 255 },
+        sum = channel[0] + channel[1] + channel[2];
+    for ( int c = 0; c < 3; ++c )
+        share[c] = sum > 0 ? (float)channel[c] / (float)sum : 1.0f / 3.0f;
+}
+
+// `ior` as RF_PARAM_IOR has it: of the far side over the near one. Thin walls do not refract, and panes must not depend on the path
+// that comes to them.
+static inline Spectrum make_spectrum( float ior, float dispersion, float film, float film_ior, float film_thickness,
+                                      float choice )
+{
+    Spectrum s = { .film = rf_film_strength( film, film_thickness ), .film_ior = film_ior, .film_thickness = film_thickness };
+    bool inside = ior > 0.0f && ior < 1.0f;
+    s.splits = dispersion > 0.0f && ior > 0.0f;
+    disperse( inside ? 1.0f / ior : fabsf( ior ), s.splits ? dispersion : 0.0f, s.ior );
+    for ( int c = 0; c < 3 && inside; ++c )
+        s.ior[c] = 1.0f / s.ior[c];
+    unpack_channels( ior > 0.0f ? choice : 0.0f, s.share );
+    return s;
+}
+
+static inline float mean_carried( const Spectrum* s, RfVec3 c )
+{
+    return s->share[0] * c.x + s->share[1] * c.y + s->share[2] * c.z;
+}
+
+// The channel that refraction goes on with, of those that are carried and transmitted, and the probability of that: 0 if there is
+// none. `u` is uniform in [0, 1).
+static inline int draw_channel( const Spectrum* s, RfVec3 transmitted, float u, float* probability )
+{
+    const float p[3] = { s->share[0] * transmitted.x, s->share[1] * transmitted.y, s->share[2] * transmitted.z };
+    float sum = p[0] + p[1] + p[2], left = u * sum;
+    int drawn = 0;
+    *probability = 0.0f;
+    if ( !( sum > 0.0f ) )
+        return drawn;
+    for ( int c = 0; c < 3; ++c )
+    {
+        if ( !( p[c] > 0.0f ) || ( *probability > 0.0f && left < 0.0f ) )
+            continue;
+        drawn = c;
+        *probability = p[c] / sum;
+        left -= p[c];
+    }
+    return drawn;
+}
 
 // Whether a lane is spectral is a constant wherever a Glass is made: all that takes one is inlined, so that glass without a spectrum
 // pays nothing for it.
@@ -15,7 +85,7 @@ typedef struct Glass
     float base_share, bare; // fraction of the rest that is base, and the fraction of that which no coat covers
     bool thin;
     bool spectral;
-    RfSpectrum spectrum; // if spectral
+    Spectrum spectrum; // if spectral
 } Glass;
 
 RF_KERNEL Glass glass_of( const RfBsdfLanes* lanes, int i, bool spectral )
@@ -34,14 +104,14 @@ RF_KERNEL Glass glass_of( const RfBsdfLanes* lanes, int i, bool spectral )
         .spectral = spectral,
     };
     if ( spectral )
-        g.spectrum = rf_make_spectrum( lanes->param[RF_PARAM_IOR][i], lanes->param[RF_PARAM_DISPERSION][i],
-                                       lanes->param[RF_PARAM_FILM][i], lanes->param[RF_PARAM_FILM_IOR][i],
-                                       lanes->param[RF_PARAM_FILM_THICKNESS][i], lanes->param[RF_PARAM_CHOICE][i] );
+        g.spectrum = make_spectrum( lanes->param[RF_PARAM_IOR][i], lanes->param[RF_PARAM_DISPERSION][i],
+                                    lanes->param[RF_PARAM_FILM][i], lanes->param[RF_PARAM_FILM_IOR][i],
+                                    lanes->param[RF_PARAM_FILM_THICKNESS][i], lanes->param[RF_PARAM_CHOICE][i] );
     return g;
 }
 
 // The mean of a colour over the channels of the path.
-RF_KERNEL float mean_of( const Glass* g, RfVec3 c ) { return g->spectral ? rf_mean_carried( &g->spectrum, c ) : rf_mean( c ); }
+RF_KERNEL float mean_of( const Glass* g, RfVec3 c ) { return g->spectral ? mean_carried( &g->spectrum, c ) : rf_mean( c ); }
 
 // The square of ior cosθt by Snell's law, at most 0 where all is reflected. 1 − sin²θ would lose the digits of grazing angles,
 // where an index of 1 must give cosθo itself.
@@ -63,14 +133,14 @@ static inline float dielectric( float cos_o, float ior )
     return 0.5f * ( s * s + p * p );
 }
 
-static RfVec3 film_reflectance( const RfSpectrum* s, float cos_o, RfVec3 f0 )
+static RfVec3 film_reflectance( const Spectrum* s, float cos_o, RfVec3 f0 )
 {
     return rf_film_fresnel( f0, cos_o, s->film_ior, s->film_thickness );
 }
 
 // By channel, with a thin film. The film lies on the outside; light from inside meets the reflectance that light has outside on the
 // same way, since what passes a film that does not absorb is the same from both sides.
-static RfVec3 spectral_dielectric( const RfSpectrum* s, float cos_o )
+static RfVec3 spectral_dielectric( const Spectrum* s, float cos_o )
 {
     float f[3];
     for ( int c = 0; c < 3; ++c )
@@ -93,12 +163,6 @@ RF_KERNEL RfVec3 dielectric_of( const Glass* g, float cos_o )
         return spectral_dielectric( &g->spectrum, cos_o );
     float f = dielectric( cos_o, g->ior );
     return rf_vec3( f, f, f );
-}
-
-static inline float schlick_weight( float cos_o )
-{
-    float m = 1.0f - rf_minf( cos_o, 1.0f ), m2 = m * m;
-    return m2 * m2 * m;
 }
 
 // Seen from inside a body, where total reflection would add to what the base reflects.
@@ -129,7 +193,7 @@ static RfVec3 metallic_under_film( const Glass* g, float cos_o, RfVec3 bare, flo
 // Reflectance: of mirrors and metals by Schlick, coloured.
 RF_KERNEL RfVec3 reflectance( const Glass* g, float cos_o )
 {
-    float w = schlick_weight( cos_o );
+    float w = rf_schlick_weight( cos_o );
     if ( g->ior == 0.0f )
     {
         RfVec3 bare = metallic( g, w, 1.0f - g->base.x );
@@ -238,7 +302,7 @@ RF_KERNEL GlassSample sample_transmission( const Glass* g, RfEyeLane eye, RfVec3
     if ( !g->spectral || !g->spectrum.splits )
         return transmit( g, g->ior, eye, h, colour, probability );
     float chance;
-    int drawn = rf_draw_channel( &g->spectrum, colour, u, &chance );
+    int drawn = draw_channel( &g->spectrum, colour, u, &chance );
     if ( !( chance > 0.0f ) )
         return ( GlassSample ){ transmitted( g, g->ior, eye.wo, h ), { 0, 0, 0 }, RF_DELTA_PDF };
     RfVec3 one = rf_vec3( drawn == 0 ? colour.x : 0.0f, drawn == 1 ? colour.y : 0.0f, drawn == 2 ? colour.z : 0.0f );
@@ -359,29 +423,20 @@ RF_KERNEL void evaluate_lanes( bool spectral, int count, const RfBsdfLanes* lane
     }
 }
 
-void rf_glass_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                        float* const f[3], float* pdf_solid_angle )
-{
-    evaluate_lanes( false, count, lanes, wo, wi, f, pdf_solid_angle );
-}
+#define GLASS_FUNCTIONS( model, spectral )                                                                                       \
+    void rf_##model##_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],         \
+                                float* const f[3], float* pdf_solid_angle )                                                      \
+    {                                                                                                                            \
+        evaluate_lanes( spectral, count, lanes, wo, wi, f, pdf_solid_angle );                                                    \
+    }                                                                                                                            \
+    void rf_##model##_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],            \
+                              float* const wi[3], float* const weight[3], float* pdf_solid_angle )                               \
+    {                                                                                                                            \
+        sample_lanes( spectral, count, lanes, wo, u, wi, weight, pdf_solid_angle );                                              \
+    }
 
-void rf_glass_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3], float* const wi[3],
-                      float* const weight[3], float* pdf_solid_angle )
-{
-    sample_lanes( false, count, lanes, wo, u, wi, weight, pdf_solid_angle );
-}
-
-void rf_spectral_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
-                           float* const f[3], float* pdf_solid_angle )
-{
-    evaluate_lanes( true, count, lanes, wo, wi, f, pdf_solid_angle );
-}
-
-void rf_spectral_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
-                         float* const wi[3], float* const weight[3], float* pdf_solid_angle )
-{
-    sample_lanes( true, count, lanes, wo, u, wi, weight, pdf_solid_angle );
-}
+GLASS_FUNCTIONS( glass, false )
+GLASS_FUNCTIONS( spectral, true )
 
 // What single lobes of mirrors and glass are: panes, and delta lobes that are asked for by name.
 
@@ -419,7 +474,7 @@ RfPane rf_pane_of_material( const RfMaterial* m, float cos_o )
     if ( m->kind != RF_BSDF_SPECTRAL )
         return pane( &g, cos_o );
     g.spectral = true;
-    g.spectrum = rf_make_spectrum( -m->ior, m->dispersion, m->film, m->film_ior, m->film_thickness, 0.0f );
+    g.spectrum = make_spectrum( -m->ior, m->dispersion, m->film, m->film_ior, m->film_thickness, 0.0f );
     return pane( &g, cos_o );
 }
 

@@ -166,6 +166,18 @@ RF_KERNEL float rf_below_layer( float u, float probability )
     return u < probability ? -1.0f : below;
 }
 
+RF_KERNEL RfVec3 rf_choose( bool first, RfVec3 a, RfVec3 b )
+{
+    return rf_vec3( first ? a.x : b.x, first ? a.y : b.y, first ? a.z : b.z );
+}
+
+// (1 − cos)⁵ of Schlick's Fresnel; rounding may have made the cosine exceed 1.
+RF_KERNEL float rf_schlick_weight( float cos_theta )
+{
+    float m = rf_maxf( 1.0f - cos_theta, 0.0f ), m2 = m * m;
+    return m2 * m2 * m;
+}
+
 RF_KERNEL float rf_mean( RfVec3 c ) { return ( c.x + c.y + c.z ) * ( 1.0f / 3.0f ); }
 
 #endif

@@ -266,7 +266,6 @@ extern const RfBsdfModel g_rf_bsdf_models[RF_BSDF_KIND_COUNT];
 
 static inline const RfBsdfModel* rf_bsdf_model( RfBsdfKind kind ) { return g_rf_bsdf_models + kind; }
 
-// Whether this build has the model.
 static inline bool rf_is_model_built( RfBsdfKind kind )
 {
     for ( int k = 0; k < 2 && RF_EFFECTS_NOT_BUILT != 0; ++k )

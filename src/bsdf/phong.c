@@ -47,7 +47,7 @@ RF_KERNEL RfVec3 sample( RfVec3 n, RfEyeLane eye, RfVec3 u, RfVec3 diffuse, RfVe
     RfVec3 mirror = rf_sub( rf_scale( n, 2.0f * eye.cos_o ), eye.wo );
     // The cosine lobe is a Phong lobe about n with exponent 1: the same code samples both.
     bool is_diffuse = u.z < diffuse_probability( diffuse, specular );
-    RfVec3 axis = rf_vec3( is_diffuse ? n.x : mirror.x, is_diffuse ? n.y : mirror.y, is_diffuse ? n.z : mirror.z );
+    RfVec3 axis = rf_choose( is_diffuse, n, mirror );
     float power = is_diffuse ? 1.0f : exponent;
     // cos α = (1 − u)^(1/(n+1)), computed as 1 − cos α, whose digits a sharp lobe needs.
     float logarithm = rf_log2( 1.0f - u.x ) / ( power + 1.0f );

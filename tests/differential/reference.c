@@ -214,7 +214,7 @@ static double sheen_lambda( double mu, double alpha )
                     : exp( 2.0 * sheen_fit( 0.5, alpha ) - sheen_fit( fmax( 1.0 - mu, 0.0 ), alpha ) );
 }
 
-// What keeps the lobe's albedo below 1 at grazing angles (src/bsdf/sheen.c).
+// What keeps the lobe's albedo below 1 at grazing angles (src/bsdf/layered.c).
 static double sheen_limit( double mu, double alpha )
 {
     double r = sqrt( alpha ), q = fmin( r, 0.5 );
