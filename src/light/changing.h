@@ -31,7 +31,6 @@ typedef struct RfChangingLights
     RfLightTree none;
 } RfChangingLights;
 
-// Whether lights of the scene move or change.
 bool rf_lights_change( const RfScene* scene );
 
 // Whether there is a sky, at some time at least.
@@ -42,10 +41,6 @@ static inline bool rf_may_have_sky( const RfScene* scene )
 
 // The number of triangles that move and may emit.
 uint32_t rf_count_moving_emitters( const RfScene* scene );
-
-// Finds what moves or changes among lights of which all but the tree are collected. Fails with RF_ERROR_MEMORY.
-RfResult rf_find_changing_lights( const RfScene* scene, RfLights* lights, RfError* error );
-void rf_destroy_changing_lights( RfChangingLights* changing );
 
 // The light that a triangle is that moves, or RF_NO_LIGHT.
 static inline uint32_t rf_moving_light( const RfLights* lights, uint32_t triangle )
@@ -92,5 +87,17 @@ void rf_destroy_group_lights( RfGroupLights* group );
 
 // Bytes that the lights of a group of so many frames need, and the emission noted for each; 0 where none changes.
 size_t rf_group_lights_bytes( const RfScene* scene, int frames );
+
+// Sets the shape of a triangle light, by its corners.
+void rf_shape_light( RfVec3 a, RfVec3 b, RfVec3 c, RfLight* light );
+
+// Vose's alias table of `powers`, which sum to `total`. Fails with RF_ERROR_MEMORY.
+RfResult rf_build_alias( RfLights* lights, const double* powers, double total, RfError* error );
+
+// The radiance that the tables of a sky are made for.
+static inline RfVec3 rf_sky_reference( const RfEnvironment* e )
+{
+    return rf_max_component( e->radiance ) > 0.0f ? e->radiance : rf_vec3( 1, 1, 1 );
+}
 
 #endif

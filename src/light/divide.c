@@ -58,7 +58,6 @@ static uint32_t stride_of( const RfScene* scene, Kind kind )
     return kind.of_material ? 1 : 1 + rf_triangle_count( scene ) / MOST_TRIANGLES;
 }
 
-// Of placements those that move emit, if any do.
 static uint32_t end_of( const RfScene* scene, Kind kind )
 {
     return kind.of_material && rf_count_moving_emitters( scene ) == 0 ? scene->triangles.count : rf_triangle_count( scene );
@@ -148,7 +147,8 @@ static double image_of( const RfScene* scene, uint32_t material, const Points* c
     return mean_image( &emitter, scene->materials[material].double_sided, chain, receivers );
 }
 
-double rf_sky_solid_angle( const RfEnvironment* e )
+// The solid angle of the sky, where a bright part of it counts as the whole; 0: it is black.
+static double sky_solid_angle( const RfEnvironment* e )
 {
     if ( !( rf_max_component( e->radiance ) > 0.0f ) )
         return 0.0;
@@ -187,7 +187,7 @@ RfDivision rf_divide_emitters( const RfScene* scene, bool* connected )
         if ( connected != NULL )
             connected[m] = small;
     }
-    double sky = rf_sky_solid_angle( &scene->environment );
+    double sky = sky_solid_angle( &scene->environment );
     bool small = sky > 0.0 && sky <= RF_LARGE_EMITTER;
     division.all += sky > 0.0;
     division.connected += small;

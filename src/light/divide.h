@@ -13,9 +13,6 @@ typedef struct RfDivision
     uint32_t connected, all; // emitters: materials, punctual lights, the sky
 } RfDivision;
 
-// The solid angle of the sky, where a bright part of it counts as the whole; 0: it is black.
-double rf_sky_solid_angle( const RfEnvironment* environment );
-
 // Divides the emitters of a scene. `connected`: a flag for each material and one for the sky; NULL: not asked for.
 RfDivision rf_divide_emitters( const RfScene* scene, bool* connected );
 

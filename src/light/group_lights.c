@@ -2,8 +2,7 @@
 #include "light/changing.h"
 
 #include "base/layout.h"
-#include "light/collect.h"
-#include "light/kinds.h"
+#include "light/emission.h"
 #include "scene/moments.h"
 
 #include <stdlib.h>
@@ -219,7 +218,6 @@ static bool is_alike( const Making* m, const Lamp* lamp, int a, int b )
 
 static bool is_lit( RfVec3 value ) { return rf_max_component( value ) > 0.0f; }
 
-// The same in all frames.
 static bool holds( const Making* m, const Lamp* lamp )
 {
     for ( int i = 1; i < m->count; ++i )
@@ -230,7 +228,6 @@ static bool holds( const Making* m, const Lamp* lamp )
     return true;
 }
 
-// The base part of a lamp's light group.
 static int base_of( const Making* m, const Lamp* lamp )
 {
     const RfLights* still = m->still;
@@ -337,7 +334,6 @@ static int find_dimmer( Making* m, const Lamp* lamp )
 // The parts that the base parts of light groups take from 1 on.
 static int base_parts( const Making* m ) { return m->still->part != NULL ? m->still->group_count - 1 : 0; }
 
-// The strongest dimmers become parts.
 static void number_dimmers( Making* m )
 {
     for ( int part = base_parts( m ) + 1; part <= base_parts( m ) + RF_DIMMED_MOST; ++part )

@@ -15,7 +15,7 @@
 
 #include <stddef.h>
 
-// The kinds of a light: X( NAME, name, needs light paths ). One more is a row here and its functions in light/kinds.c, whose
+// The kinds of a light: X( NAME, name, needs light paths ). One more is a row here and its functions in light/emission.c, whose
 // table has the other half of the name; the compiler then names what lacks it: rf_light_kind below, and the switches of
 // path/direct.c and light_paths/light_paths.c. A punctual one is a value of RfPunctualKind (scene/scene.h) too, and read by
 // gltf/gltf_light.c.
@@ -119,17 +119,13 @@ void rf_destroy_lights( RfLights* lights );
 
 // Splits lights that hold by light groups, which `groups` may have none of: sets their base parts. Fails with RF_ERROR_MEMORY.
 RfResult rf_split_lights( const RfScene* scene, const RfLightGroups* groups, RfLights* lights, RfError* error );
-// Frees what it has allocated.
 void rf_join_lights( RfLights* lights );
 
 // The base part of a light group, and the group of a base part.
 static inline int rf_part_of_group( int group, int count ) { return ( group + 1 ) % count; }
 static inline int rf_group_of_part( int base, int count ) { return ( base + count - 1 ) % count; }
-
-// Whether a part is light of one frame alone.
 static inline bool rf_is_own_part( int part ) { return part > RF_PART_OWN - RF_LIGHT_GROUPS_MOST; }
 
-// The base part of its light group.
 static inline int rf_base_part( const RfLights* lights, int part )
 {
     return rf_is_own_part( part ) ? RF_PART_OWN - part : lights->base_part[part];
@@ -207,19 +203,14 @@ typedef struct RfLightSelection
     float probability;
 } RfLightSelection;
 
-// Selects a light by 64 random bits for the point x with unit normal n, which is
-// lit from the side of n only. The probabilities depend on nothing else, so they
-// are the same for all cameras that see x. `count` must not be 0.
-RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] );
-
-// Selects lights for arrays of points, with the results of rf_select_light.
+// Selects lights by 64 random bits for points x with unit normals n, which are lit from the side of n only. The probabilities
+// depend on nothing else, so they are the same for all cameras that see x. lights->count must not be 0.
 void rf_select_lights( const RfLights* lights, RfLightSampling sampling, int count, const float* const x[3],
                        const float* const n[3], const uint32_t* const bits[2], RfLightSelection* selection );
 
 // The probability of selecting this light; above 0 unless it cannot contribute at x.
 float rf_light_probability( const RfLights* lights, RfLightSampling sampling, uint32_t light, RfVec3 x, RfVec3 n );
 
-// The sky's number; there must be one.
 static inline uint32_t rf_sky_number( const RfLights* lights ) { return lights->count - 1; }
 
 // One word selects the column, the other decides between it and its alias, so the

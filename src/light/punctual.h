@@ -61,7 +61,6 @@ static inline double rf_plane_area( const RfPunctual* p )
     return ( p->ellipse ? 3.14159265358979324 : 4.0 ) * (double)p->half[0] * (double)p->half[1];
 }
 
-// The direction of its second side.
 static inline RfVec3 rf_plane_up( const RfPunctual* p ) { return rf_cross( p->across, p->direction ); }
 
 #endif

@@ -154,22 +154,6 @@ static bool has_tree( const RfLights* lights, RfLightSampling sampling )
                          RF_EFFECT_LIGHT_TREE );
 }
 
-RfLightSelection rf_select_light( const RfLights* lights, RfLightSampling sampling, RfVec3 x, RfVec3 n, const uint32_t bits[2] )
-{
-    if ( !has_tree( lights, sampling ) )
-        return select_by_power( lights, bits[0], bits[1] );
-    Descent d = begin( bits[0], bits[1] );
-    x = in_ball( lights, x );
-    const RfLightNode* nodes = lights->tree.nodes;
-    if ( lights->second != NULL )
-        nodes = descend_from_roots( lights, x, n, &d );
-    else
-        descend_from_root( lights, x, n, &d );
-    while ( !( d.node & RF_LIGHT_LEAF ) )
-        descend_one_level( nodes, x, n, &d );
-    return end( &d );
-}
-
 // Several descents at a time, level by level, so that the processor overlaps their memory accesses. `two`: there are two trees.
 static inline __attribute__( ( always_inline ) ) void select_block( const RfLights* lights, bool two, int count,
                                                                     const float* const x[3], const float* const n[3],

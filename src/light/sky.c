@@ -37,7 +37,6 @@ static double mean_luminance( const RfEnvironment* e, int x, int y )
     return sum;
 }
 
-// Solid angle of a pixel of row y, sr.
 static double pixel_solid_angle( const RfSky* sky, const RfEnvironment* e, int y )
 {
     return ( sky->row_cosine[y] - sky->row_cosine[y + 1] ) * 2.0 * 3.14159265358979324 / e->width;
@@ -438,7 +437,6 @@ RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float
     return sample;
 }
 
-// In proportion to the cosine.
 static RfSkySample sample_even_sky( RfVec3 n, const float u[2] )
 {
     float sine, cosine, up = sqrtf( 1.0f - u[1] ), across = sqrtf( u[1] );

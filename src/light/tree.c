@@ -12,7 +12,6 @@
 // single light. The box of an empty set has low > high.
 typedef RfTreeLight RfLightBounds;
 
-// The bounds of no lights.
 static RfLightBounds no_lights( void )
 {
     return ( RfLightBounds ){ .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY } };
@@ -81,7 +80,6 @@ static void unite_cones( RfLightBounds* a, const RfLightBounds* b )
     }
 }
 
-// Extends the bounds to include `more`.
 static void bound_both( RfLightBounds* a, const RfLightBounds* b )
 {
     if ( is_empty( b ) )
@@ -213,7 +211,6 @@ static double best_split_of_axis( const RfLightBounds* bin, int* best )
     return least;
 }
 
-// The extent of the lights' centres.
 static void find_extent( const RfTreeLight* lights, uint32_t count, double low[3], double high[3] )
 {
     for ( int axis = 0; axis < 3; ++axis )

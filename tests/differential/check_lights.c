@@ -5,6 +5,7 @@
 #include "path/wavefront.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/select_light.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,7 +81,7 @@ static void judge_light( Check* check, const RfLights* lights, const RfVertexLan
         return; // below a horizon
     RfRandomKey key = { keys->key_a[i], keys->key_b[i] };
     uint32_t bits[2] = { rf_random_bits( key, 0 ), rf_random_bits( key, RF_DIMENSION_TWIN ) };
-    RfLightSelection chosen = rf_select_light( lights, RF_LIGHTS_BY_POWER, from, n, bits );
+    RfLightSelection chosen = select_light( lights, RF_LIGHTS_BY_POWER, from, n, bits );
     const RfLight* light = lights->light + chosen.light;
     RfVec3 p1 = rf_add( light->p0, light->e1 ), p2 = rf_add( light->p0, light->e2 );
     float largest =

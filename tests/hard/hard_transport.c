@@ -2,6 +2,7 @@
 #include "hard/hard_inputs.h"
 #include "bsdf/bsdf.h"
 #include "trace/trace.h"
+#include "support/select_light.h"
 
 #include <math.h>
 
@@ -169,13 +170,13 @@ static HardInput light_intervals( void )
     {
         uint64_t low = u, high = end;
         uint32_t here =
-            rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n, ( uint32_t[2] ){ (uint32_t)( u >> 21 ), (uint32_t)( u << 11 ) } )
+            select_light( lights, RF_LIGHTS_BY_TREE, x, n, ( uint32_t[2] ){ (uint32_t)( u >> 21 ), (uint32_t)( u << 11 ) } )
                 .light;
         while ( high - low > 1 ) // the last number that leads here, plus 1
         {
             uint64_t middle = low + ( high - low ) / 2;
-            uint32_t there = rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n,
-                                              ( uint32_t[2] ){ (uint32_t)( middle >> 21 ), (uint32_t)( middle << 11 ) } )
+            uint32_t there = select_light( lights, RF_LIGHTS_BY_TREE, x, n,
+                                           ( uint32_t[2] ){ (uint32_t)( middle >> 21 ), (uint32_t)( middle << 11 ) } )
                                  .light;
             low = there == here ? middle : low;
             high = there == here ? high : middle;

@@ -11,6 +11,7 @@
 #include "support/statistics.h"
 #include "support/test.h"
 #include "trace/trace.h"
+#include "support/select_light.h"
 
 enum
 {
@@ -396,10 +397,10 @@ static void check_chances( const RfGroupLights* group, RfLightSampling sampling,
     for ( uint32_t k = 0; k < DRAWS; ++k )
     {
         uint32_t bits[2] = { rf_random_bits( rf_pixel_key( 3, i ), k ), rf_random_bits( rf_pixel_key( 4, i ), k ) };
-        RfLightSelection pick = rf_select_light( first, sampling, x, n, bits );
+        RfLightSelection pick = select_light( first, sampling, x, n, bits );
         for ( int f = 1; f < FRAMES && k < 10; ++f )
         {
-            RfLightSelection other = rf_select_light( group->lights + f, sampling, x, n, bits );
+            RfLightSelection other = select_light( group->lights + f, sampling, x, n, bits );
             assert_true( other.light == pick.light && other.probability == pick.probability );
         }
         lost += pick.light == RF_NO_LIGHT;
@@ -531,7 +532,7 @@ static Sample by_selection( const RfLights* lights, const RfScene* scene, RfVec3
         float u[2] = { rf_random( key, 0 ), rf_random( key, 1 ) };
         uint32_t bits[2] = { rf_random_bits( key, 2 ), rf_random_bits( key, 3 ) },
                  pick[2] = { rf_random_bits( key, 4 ), rf_random_bits( key, 5 ) };
-        RfLightSelection s = rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n, pick );
+        RfLightSelection s = select_light( lights, RF_LIGHTS_BY_TREE, x, n, pick );
         if ( s.light == RF_NO_LIGHT )
             continue;
         RfVec3 light = rf_mul( sample_light( lights, scene, s.light, x, n, u, bits ),

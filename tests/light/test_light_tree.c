@@ -6,6 +6,7 @@
 #include "support/scene_builder.h"
 #include "support/statistics.h"
 #include "support/test.h"
+#include "support/select_light.h"
 
 static float number( uint32_t stream, uint32_t i, uint32_t dimension )
 {
@@ -227,7 +228,7 @@ static double check_picks( const RfLights* lights, RfVec3 x, RfVec3 n, uint32_t 
     {
         RfRandomKey key = rf_pixel_key( rf_pass_key( 17, stream, 0, 0 ), i );
         uint32_t bits[2] = { rf_random_bits( key, 0 ), rf_random_bits( key, 1 ) };
-        RfLightSelection pick = rf_select_light( lights, RF_LIGHTS_BY_TREE, x, n, bits );
+        RfLightSelection pick = select_light( lights, RF_LIGHTS_BY_TREE, x, n, bits );
         assert_true( pick.light < lights->count || pick.light == RF_NO_LIGHT );
         count[pick.light == RF_NO_LIGHT ? lights->count : pick.light] += 1.0;
         if ( i < 100 && pick.light != RF_NO_LIGHT )
@@ -318,8 +319,8 @@ TEST( test_batches_equal_single_picks )
         for ( int i = 0; i < COUNT; ++i )
         {
             uint32_t own[2] = { bits[0][i], bits[1][i] };
-            RfLightSelection one = rf_select_light( &lights, picking, rf_vec3( x[0][i], x[1][i], x[2][i] ),
-                                                    rf_vec3( n[0][i], n[1][i], n[2][i] ), own );
+            RfLightSelection one =
+                select_light( &lights, picking, rf_vec3( x[0][i], x[1][i], x[2][i] ), rf_vec3( n[0][i], n[1][i], n[2][i] ), own );
             assert_true( one.light == pick[i].light && one.probability == pick[i].probability );
         }
     }

@@ -8,6 +8,7 @@
 #include "path/roulette.h"
 #include "path/wavefront.h"
 #include "support/statistics.h"
+#include "support/select_light.h"
 
 #include <stdlib.h>
 
@@ -340,7 +341,7 @@ static RfVec3 sample_light( const RfTracer* tracer, const ReferenceSettings* s, 
         return black;
     RfVec3 from = rf_madd( x->p, x->ng, x->offset );
     uint32_t bits[2] = { word( key, dimension ), word( key, dimension | RF_DIMENSION_TWIN ) };
-    RfLightSelection pick = rf_select_light( lights, s->light_sampling, from, x->n, bits );
+    RfLightSelection pick = select_light( lights, s->light_sampling, from, x->n, bits );
     if ( pick.light == RF_NO_LIGHT )
         return black;
     if ( pick.light >= lights->triangle_count )
