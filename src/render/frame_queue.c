@@ -3,6 +3,19 @@
 
 #include "trace/trace.h"
 
+// Without a thread nothing is shared.
+static void lock( RfFrameQueue* q )
+{
+    if ( q->threaded )
+        pthread_mutex_lock( &q->mutex );
+}
+
+static void unlock( RfFrameQueue* q )
+{
+    if ( q->threaded )
+        pthread_mutex_unlock( &q->mutex );
+}
+
 // Calls the caller with the oldest buffer, unless a frame before it failed.
 static void hand_over( RfFrameQueue* q, const RfFrameBuffer* buffer )
 {
@@ -14,12 +27,10 @@ static void hand_over( RfFrameQueue* q, const RfFrameBuffer* buffer )
         return;
     if ( error.code == RF_OK )
         rf_fail( &error, result, "frame %d was not taken by its callback, which does not say why", buffer->result.frame + 1 );
-    if ( q->threaded )
-        pthread_mutex_lock( &q->mutex );
+    lock( q );
     q->result = result;
     q->error = error;
-    if ( q->threaded )
-        pthread_mutex_unlock( &q->mutex );
+    unlock( q );
 }
 
 static void* run( void* user )
@@ -69,25 +80,24 @@ void rf_start_frame_queue( RfFrameQueue* queue, const RfRenderCallbacks* callbac
         start_thread( queue );
 }
 
+// Without a thread none is ever waiting.
+static RfFrameBuffer* next_of( const RfFrameQueue* q ) { return q->buffers + ( q->first + q->waiting ) % q->buffer_count; }
+
 RfFrameBuffer* rf_next_frame_buffer( RfFrameQueue* q )
 {
-    if ( !q->threaded )
-        return q->buffers;
-    pthread_mutex_lock( &q->mutex );
+    lock( q );
     while ( q->waiting == q->buffer_count )
         pthread_cond_wait( &q->changed, &q->mutex );
-    RfFrameBuffer* buffer = q->buffers + ( q->first + q->waiting ) % q->buffer_count;
-    pthread_mutex_unlock( &q->mutex );
+    RfFrameBuffer* buffer = next_of( q );
+    unlock( q );
     return buffer;
 }
 
 RfFrameBuffer* rf_free_frame_buffer( RfFrameQueue* q )
 {
-    if ( !q->threaded )
-        return q->buffers;
-    pthread_mutex_lock( &q->mutex );
-    RfFrameBuffer* buffer = q->waiting < q->buffer_count ? q->buffers + ( q->first + q->waiting ) % q->buffer_count : NULL;
-    pthread_mutex_unlock( &q->mutex );
+    lock( q );
+    RfFrameBuffer* buffer = q->waiting < q->buffer_count ? next_of( q ) : NULL;
+    unlock( q );
     return buffer;
 }
 
@@ -98,10 +108,10 @@ void rf_queue_frame( RfFrameQueue* q )
         hand_over( q, q->buffers );
         return;
     }
-    pthread_mutex_lock( &q->mutex );
+    lock( q );
     q->waiting += 1;
     pthread_cond_broadcast( &q->changed );
-    pthread_mutex_unlock( &q->mutex );
+    unlock( q );
 }
 
 static RfResult failure( const RfFrameQueue* q, RfError* error )
@@ -113,23 +123,19 @@ static RfResult failure( const RfFrameQueue* q, RfError* error )
 
 RfResult rf_check_frame_queue( RfFrameQueue* q, RfError* error )
 {
-    if ( !q->threaded )
-        return failure( q, error );
-    pthread_mutex_lock( &q->mutex );
+    lock( q );
     RfResult result = failure( q, error );
-    pthread_mutex_unlock( &q->mutex );
+    unlock( q );
     return result;
 }
 
 RfResult rf_drain_frame_queue( RfFrameQueue* q, RfError* error )
 {
-    if ( !q->threaded )
-        return failure( q, error );
-    pthread_mutex_lock( &q->mutex );
+    lock( q );
     while ( q->waiting > 0 )
         pthread_cond_wait( &q->changed, &q->mutex );
     RfResult result = failure( q, error );
-    pthread_mutex_unlock( &q->mutex );
+    unlock( q );
     return result;
 }
 

@@ -48,7 +48,6 @@ RfGroupPlan rf_plan_groups( int frames, int half_width, int spp );
 // The same with the cuts of the path (RfEye.shot), which `cameras` must outlive; NULL: it has none.
 RfGroupPlan rf_plan_shots( const RfEye* cameras, int frames, int half_width, int spp );
 
-// Frames of the longest shot.
 static inline int rf_longest_shot( const RfEye* cameras, int frames )
 {
     return rf_plan_shots( cameras, frames, frames / 2, 1 ).eyes;

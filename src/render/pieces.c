@@ -1,50 +1,42 @@
-// Clears and combines the traced pixels of a render of pieces, run by run.
+// Clears and combines the traced pixels of a render of pieces, row by row of each cell.
 #include "render/pieces.h"
 
-// Calls `visit` with each run of traced pixels: the first and their count.
-typedef void VisitFn( void* user, size_t first, size_t count );
-
-static void visit_traced( const RfPieces* pieces, int frame, int width, int height, VisitFn* visit, void* user )
+// A row of a cell: its pixels [first, first + count) of the frame, none where it is not traced.
+typedef struct Run
 {
-    const uint8_t* cells = rf_frame_cells( pieces, frame );
-    for ( int y = 0; y < height; ++y )
-    {
-        for ( int x = 0; x < width; )
-        {
-            int end = x;
-            while ( end < width && rf_is_traced( pieces, cells, end, y ) )
-                end = ( end / RF_CELL_SIDE + 1 ) * RF_CELL_SIDE;
-            end = end < width ? end : width;
-            if ( end > x )
-                visit( user, (size_t)y * (size_t)width + (size_t)x, (size_t)( end - x ) );
-            x = end > x ? end : ( x / RF_CELL_SIDE + 1 ) * RF_CELL_SIDE;
-        }
-    }
-}
+    size_t first, count;
+} Run;
 
-static void clear( void* user, size_t first, size_t count ) { rf_clear_film_pixels( user, first, count ); }
+static Run traced_run( const RfPieces* pieces, int frame, const RfFilm* film, int y, int x )
+{
+    int left = film->width - x;
+    bool traced = rf_is_traced( pieces, rf_frame_cells( pieces, frame ), x, y );
+    return ( Run ){ (size_t)y * (size_t)film->width + (size_t)x, !traced               ? 0
+                                                                 : left < RF_CELL_SIDE ? (size_t)left
+                                                                                       : RF_CELL_SIDE };
+}
 
 void rf_clear_traced( const RfPieces* pieces, int frame, RfFilm* film )
 {
     rf_clear_film_counts( film );
-    visit_traced( pieces, frame, film->width, film->height, clear, film );
-}
-
-typedef struct Combination
-{
-    const RfFilm* film;
-    RfNormalize normalize;
-    float *rgb, *weight;
-} Combination;
-
-static void combine_run( void* user, size_t first, size_t count )
-{
-    const Combination* c = user;
-    rf_combine_film_pixels( c->film, c->normalize, first, count, c->rgb, c->weight );
+    for ( int y = 0; y < film->height; ++y )
+    {
+        for ( int x = 0; x < film->width; x += RF_CELL_SIDE )
+        {
+            Run run = traced_run( pieces, frame, film, y, x );
+            rf_clear_film_pixels( film, run.first, run.count );
+        }
+    }
 }
 
 void rf_combine_traced( const RfPieces* pieces, int frame, const RfFilm* film, RfNormalize normalize, float* rgb, float* weight )
 {
-    Combination c = { .film = film, .normalize = normalize, .rgb = rgb, .weight = weight };
-    visit_traced( pieces, frame, film->width, film->height, combine_run, &c );
+    for ( int y = 0; y < film->height; ++y )
+    {
+        for ( int x = 0; x < film->width; x += RF_CELL_SIDE )
+        {
+            Run run = traced_run( pieces, frame, film, y, x );
+            rf_combine_film_pixels( film, normalize, run.first, run.count, rgb, weight );
+        }
+    }
 }

@@ -17,10 +17,8 @@ struct RfPieces
     const uint8_t* cells; // a byte for each, row by row, frame after frame from the path's first: is it traced?
 };
 
-// Cells along a side of so many pixels.
 static inline int rf_cells_along( int pixels ) { return ( pixels + RF_CELL_SIDE - 1 ) / RF_CELL_SIDE; }
 
-// The cells of a frame.
 static inline const uint8_t* rf_frame_cells( const RfPieces* pieces, int frame )
 {
     return pieces->cells + (size_t)frame * (size_t)pieces->across * (size_t)pieces->down;

@@ -2,7 +2,6 @@
 #include "render/preview.h"
 
 #include "base/system.h"
-#include "trace/trace.h"
 
 #include <math.h>
 
@@ -27,13 +26,7 @@ static void combine( const RfRenderer* r, const RfLiveFilm* live, float* rgb )
     const RfFilm* film = live->films;
     bool halves = film->passes[0] > 0 && film->passes[1] > 0;
     RfNormalize normalize = halves ? r->setup->settings.normalize : RF_NORMALIZE_RATIO;
-    size_t width = (size_t)film->width;
-#pragma omp parallel for num_threads( r->setup->settings.threads ) schedule( static )
-    for ( int y = 0; y < film->height; ++y )
-    {
-        rf_set_float_mode();
-        rf_combine_film_pixels( film, normalize, (size_t)y * width, width, rgb, NULL );
-    }
+    rf_combine_film( film, normalize, rgb, NULL );
 }
 
 void rf_show_preview( RfRenderer* r )

@@ -3,10 +3,9 @@
 #include "reframe/plan.h"
 #include "render/frames.h"
 #include "render/pass.h"
-#include "render/render_effects.h"
 #include "render/settings.h"
 #include "render/state.h"
-#include "trace/relit.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <omp.h>

@@ -34,60 +34,71 @@ static RfResult check_dwa( const RfFrameFiles* files, RfError* error )
     return RF_OK;
 }
 
+// A number that must be one of the words of a list, or in a range.
+typedef struct Limit
+{
+    const char* what;
+    double value, low, high;
+} Limit;
+
+static bool is_within( const Limit* l ) { return l->value >= l->low && l->value <= l->high; }
+
+#define CHOICE( what, value, last )                                                                                              \
+    {                                                                                                                            \
+        what, (double)(int)( value ), 0, last                                                                                    \
+    }
+
 static RfResult check_choices( const RfRenderSettings* s, RfError* error )
 {
-    if ( (unsigned)s->weights > RF_WEIGHTS_UNWEIGHTED || (unsigned)s->normalize > RF_NORMALIZE_NONE )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no weighting %d, or no normalisation %d", (int)s->weights,
-                        (int)s->normalize );
+    const Limit choices[] = {
+        CHOICE( "weighting", s->weights, RF_WEIGHTS_UNWEIGHTED ),
+        CHOICE( "normalisation", s->normalize, RF_NORMALIZE_NONE ),
+        CHOICE( "light sampling", s->light_sampling, RF_LIGHTS_BY_POWER ),
+        CHOICE( "use of light paths", s->light_paths, RF_LIGHT_PATHS_OFF ),
+        CHOICE( "normalisation of kernels", s->kernel_normalization, RF_KERNEL_DENSITY ),
+        CHOICE( "reconstruction", s->reconstruction, RF_RECONSTRUCTION_NONE ),
+        CHOICE( "adaptive sampling", s->adaptive, RF_ADAPTIVE_OFF ),
+        CHOICE( "compression", s->files.compression, RF_EXR_DWAB ),
+    };
+    for ( size_t i = 0; i < sizeof choices / sizeof choices[0]; ++i )
+    {
+        if ( !is_within( choices + i ) )
+            return rf_fail( error, RF_ERROR_USAGE, "there is no %s %g", choices[i].what, choices[i].value );
+    }
     if ( !rf_is_filter( s->filter ) )
         return rf_fail( error, RF_ERROR_USAGE, "there is no pixel filter %d", (int)s->filter );
-    if ( s->filter_width != 0.0 && !( s->filter_width >= RF_MIN_FILTER_WIDTH && s->filter_width <= RF_MAX_FILTER_WIDTH ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the width of a pixel filter must be %g to %g, got %g", RF_MIN_FILTER_WIDTH,
-                        RF_MAX_FILTER_WIDTH, s->filter_width );
-    if ( (unsigned)s->light_sampling > RF_LIGHTS_BY_POWER )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no light sampling %d", (int)s->light_sampling );
-    if ( (unsigned)s->light_paths > RF_LIGHT_PATHS_OFF || (unsigned)s->kernel_normalization > RF_KERNEL_DENSITY )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no use of light paths %d, or no normalisation of kernels %d",
-                        (int)s->light_paths, (int)s->kernel_normalization );
-    if ( (unsigned)s->reconstruction > RF_RECONSTRUCTION_NONE )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no reconstruction %d", (int)s->reconstruction );
-    if ( (unsigned)s->adaptive > RF_ADAPTIVE_OFF )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no adaptive sampling %d", (int)s->adaptive );
-    if ( (unsigned)s->files.compression > RF_EXR_DWAB )
-        return rf_fail( error, RF_ERROR_USAGE, "there is no compression %d", (int)s->files.compression );
     return check_dwa( &s->files, error );
 }
 
 static RfResult check_settings( const RfRenderSettings* s, RfError* error )
 {
-    if ( s->spp < 1 || s->spp > RF_MAX_SPP )
-        return rf_fail( error, RF_ERROR_USAGE, "samples per pixel must be 1 to %d, got %d", RF_MAX_SPP, s->spp );
-    if ( !( s->noise >= 0.0 && s->noise <= RF_MAX_NOISE ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the relMSE wanted must be 0 to %g, got %g", RF_MAX_NOISE, s->noise );
-    if ( !( s->flicker >= 0.0 && s->flicker <= RF_MAX_FLICKER ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the flicker wanted must be 0 to %g, got %g", RF_MAX_FLICKER, s->flicker );
-    if ( s->clamp != RF_CLAMP_AUTO && !( s->clamp >= 0.0 && s->clamp <= RF_MAX_CLAMP ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the clamp must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp );
-    if ( !( s->clamp_chains >= 0.0 && s->clamp_chains <= RF_MAX_CLAMP ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the clamp of chains must be 0 to %g, got %g", RF_MAX_CLAMP, s->clamp_chains );
+    const Limit limits[] = {
+        { "samples per pixel", s->spp, 1, RF_MAX_SPP },
+        { "the relMSE wanted", s->noise, 0, RF_MAX_NOISE },
+        { "the flicker wanted", s->flicker, 0, RF_MAX_FLICKER },
+        { "the clamp", s->clamp == RF_CLAMP_AUTO ? 0.0 : s->clamp, 0, RF_MAX_CLAMP },
+        { "the clamp of chains", s->clamp_chains, 0, RF_MAX_CLAMP },
+        { "the seconds for a frame", s->time, 0, RF_MAX_TIME },
+        { "group", s->group == RF_GROUP_AUTO ? 0 : s->group, 0, RF_MAX_GROUP },
+        { "depth", s->max_depth, 1, RF_MAX_DEPTH },
+        { "light samples", s->light_samples, 1, RF_MAX_LIGHT_SAMPLES },
+        { "the frames of the queue", s->queue, 0, RF_MAX_QUEUE },
+        { "threads", s->threads > 0 ? s->threads : 0, 0, RF_MAX_THREADS },
+        { "the width of a pixel filter", s->filter_width == 0.0 ? RF_MIN_FILTER_WIDTH : s->filter_width, RF_MIN_FILTER_WIDTH,
+          RF_MAX_FILTER_WIDTH },
+    };
+    for ( size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i )
+    {
+        if ( !is_within( limits + i ) )
+            return rf_fail( error, RF_ERROR_USAGE, "%s must be %.10g to %.10g, got %.10g", limits[i].what, limits[i].low,
+                            limits[i].high, limits[i].value );
+    }
     if ( s->clamp_chains > 0.0 && s->clamp == 0.0 )
         return rf_fail( error, RF_ERROR_USAGE, "a clamp of chains needs a clamp of paths as well" );
-    if ( !( s->time >= 0.0 && s->time <= RF_MAX_TIME ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the seconds for a frame must be 0 to %g, got %g", RF_MAX_TIME, s->time );
-    if ( s->group < RF_GROUP_AUTO || s->group > RF_MAX_GROUP )
-        return rf_fail( error, RF_ERROR_USAGE, "group must be 0 to %d, got %d", RF_MAX_GROUP, s->group );
-    if ( s->max_depth < 1 || s->max_depth > RF_MAX_DEPTH )
-        return rf_fail( error, RF_ERROR_USAGE, "depth must be 1 to %d, got %d", RF_MAX_DEPTH, s->max_depth );
-    if ( s->light_samples < 1 || s->light_samples > RF_MAX_LIGHT_SAMPLES )
-        return rf_fail( error, RF_ERROR_USAGE, "light samples must be 1 to %d, got %d", RF_MAX_LIGHT_SAMPLES, s->light_samples );
     if ( ( s->aovs & ~( RF_ALL_AOVS | RF_AOV_BIT( RF_AOV_ALPHA ) ) ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such AOVs: %#x", s->aovs );
     if ( ( s->cryptomatte & ~( RF_CRYPTOMATTE_OBJECT | RF_CRYPTOMATTE_MATERIAL | RF_CRYPTOMATTE_ASSET ) ) != 0 )
         return rf_fail( error, RF_ERROR_USAGE, "there are no such kinds of Cryptomatte: %#x", s->cryptomatte );
-    if ( s->queue < 0 || s->queue > RF_MAX_QUEUE )
-        return rf_fail( error, RF_ERROR_USAGE, "the queue must be 0 to %d frames, got %d", RF_MAX_QUEUE, s->queue );
-    if ( s->threads > RF_MAX_THREADS )
-        return rf_fail( error, RF_ERROR_USAGE, "threads must be at most %d, got %d", RF_MAX_THREADS, s->threads );
     return check_choices( s, error );
 }
 
@@ -98,51 +109,48 @@ bool rf_has_groups( const RfEstimator* estimator ) { return estimator->count_reu
 int rf_usual_passes( const RfRenderSettings* s ) { return s->estimator->usual_passes > 2 ? s->estimator->usual_passes : 2; }
 
 // What an estimator has not got.
-static RfResult lacks( const RfEstimator* estimator, const char* what, RfError* error )
+typedef struct Lack
 {
-    RfResult result = rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no %s", estimator->name, what );
-    return rf_advise( result, RF_REMEDY_ESTIMATOR, 0, error );
-}
+    bool missing;
+    const char* what;
+} Lack;
 
 static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
 {
-    const RfEstimator* estimator = s->estimator;
-    if ( estimator == NULL )
+    const RfEstimator* e = s->estimator;
+    if ( e == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "settings without an estimator: start from rf_default_render_settings" );
-    if ( estimator->films < 1 || estimator->films > RF_MAX_FILMS )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", estimator->name,
-                        estimator->films, RF_MAX_FILMS );
-    if ( !rf_is_plain_filter( s ) && !estimator->filters )
-        return lacks( estimator, "pixel filter but a box of one pixel", error );
-    if ( s->adaptive == RF_ADAPTIVE_ON && estimator->biased )
+    if ( e->films < 1 || e->films > RF_MAX_FILMS )
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' asks for %d films, 1 to %d can be had", e->name, e->films,
+                        RF_MAX_FILMS );
+    if ( s->adaptive == RF_ADAPTIVE_ON && e->biased )
         return rf_fail( error, RF_ERROR_USAGE, "adaptive samples need exact weights" );
-    if ( s->adaptive == RF_ADAPTIVE_ON &&
-         ( estimator->add_own_shares == NULL || estimator->count_samples == NULL || estimator->films > 1 ) )
-        return lacks( estimator, "adaptive sampling", error );
-    if ( ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && estimator->first_hits == NULL )
-        return lacks( estimator, "AOVs of first hits", error );
-    if ( ( s->aovs & RF_DENOISE_AOVS ) != 0 && !estimator->has_features )
-        return lacks( estimator, "AOVs for denoisers", error );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && estimator->finish != NULL && !estimator->has_variance )
-        return lacks( estimator, "variance AOV", error );
-    if ( s->flicker > 0.0 && estimator->finish != NULL ) // the halves of its pictures are not in the films
-        return lacks( estimator, "estimate of flicker to stop at", error );
-    if ( ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !estimator->has_gradients )
-        return lacks( estimator, "gradients", error );
-    if ( ( s->aovs & RF_PASS_AOVS ) != 0 && !estimator->splits_light )
-        return lacks( estimator, "passes of its light", error );
-    if ( ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !estimator->has_alpha )
-        return lacks( estimator, "alpha", error );
-    if ( rf_wants_covering( s ) && !estimator->has_covering )
-        return lacks( estimator, "Cryptomatte and no index AOVs", error );
-    if ( s->clamp != 0.0 && !estimator->clamps )
-        return lacks( estimator, "clamp", error );
+    const Lack lacks[] = {
+        { !rf_is_plain_filter( s ) && !e->filters, "pixel filter but a box of one pixel" },
+        { s->adaptive == RF_ADAPTIVE_ON && !can_adapt( s ), "adaptive sampling" },
+        { ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && e->first_hits == NULL, "AOVs of first hits" },
+        { ( s->aovs & RF_DENOISE_AOVS ) != 0 && !e->has_features, "AOVs for denoisers" },
+        { ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && e->finish != NULL && !e->has_variance, "variance AOV" },
+        // the halves of the pictures that it makes are not in the films
+        { s->flicker > 0.0 && e->finish != NULL, "estimate of flicker to stop at" },
+        { ( s->aovs & RF_GRADIENT_AOVS ) != 0 && !e->has_gradients, "gradients" },
+        { ( s->aovs & RF_PASS_AOVS ) != 0 && !e->splits_light, "passes of its light" },
+        { ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !e->has_alpha, "alpha" },
+        { rf_wants_covering( s ) && !e->has_covering, "Cryptomatte and no index AOVs" },
+        { s->clamp != 0.0 && !e->clamps, "clamp" },
+    };
+    for ( size_t i = 0; i < sizeof lacks / sizeof lacks[0]; ++i )
+    {
+        if ( lacks[i].missing )
+            return rf_advise( rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' has no %s", e->name, lacks[i].what ),
+                              RF_REMEDY_ESTIMATOR, 0, error );
+    }
     if ( s->pieces != NULL && !rf_can_render_pieces( s ) )
-        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", estimator->name );
+        return rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot render pieces", e->name );
     if ( s->pieces != NULL && ( rf_is_stopping( s ) || s->adaptive != RF_ADAPTIVE_OFF ) )
         return rf_fail( error, RF_ERROR_USAGE,
                         "pieces are rendered without a noise, a flicker or a time to stop at, and without extra samples" );
-    return estimator->check != NULL ? estimator->check( s, error ) : RF_OK;
+    return e->check != NULL ? e->check( s, error ) : RF_OK;
 }
 
 static bool is_finite3( RfVec3 v ) { return isfinite( v.x ) && isfinite( v.y ) && isfinite( v.z ); }

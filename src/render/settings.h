@@ -19,11 +19,7 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
 
 // Is light taken out of the pictures of a scene, and kept on a film of its own?
 bool rf_keeps_removed( const RfScene* scene, const RfRenderSettings* settings );
-
-// Can frames be traced in parts only (settings.pieces)?
 bool rf_can_render_pieces( const RfRenderSettings* settings );
-
-// Can frames share paths with others of a group?
 bool rf_has_groups( const RfEstimator* estimator );
 
 // Passes from which on pictures are made as with many of them; at least 2.

@@ -6,7 +6,7 @@
 #include "render/worlds.h"
 #include "scene/movement.h"
 #include "scene/projection.h"
-#include "trace/relit.h"
+#include "trace/trace.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -185,7 +185,6 @@ static void close_poses( Poses* poses )
     free( poses->emission );
 }
 
-// How many runs of the path are looked at.
 static int runs_to_look_at( const Look* look )
 {
     int runs = look->path->run_count, group = 2 * look->settings->group + 1;

@@ -202,14 +202,12 @@ static void trace( const Shape* shape, Work* work )
     rf_trace_tails( &shape->path, wavefront, 1 );
 }
 
-// The light of a slot in a channel.
 static double light_of( const Work* work, int c, int slot )
 {
     const RfArrivals* a = &work->wavefront.arrivals;
     return (double)a->emitted[c][slot] + (double)a->rest[c][slot];
 }
 
-// Variance of a sample, summed over the channels.
 static double variance_of( const Work* work, int first, int count )
 {
     double variance = 0.0;
@@ -238,7 +236,6 @@ static int brightest_of( const Work* work, int first, int count )
     return brightest;
 }
 
-// The material that most of these slots see.
 static int usual_material( const Work* work, int first, int count )
 {
     int most = 0, usual = SKY;

@@ -49,8 +49,6 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
 // Whether the light that mirrors and glass send on comes by light paths. Not through thin panes and partly transparent
 // surfaces, which rays pass by chance.
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings );
-
-// Whether something moves in a scene, or counts as moving.
 bool rf_may_move( const RfScene* scene );
 
 // Where something moves, groups of several frames share only what holds in all of them, which some settings cannot tell: fails for
@@ -69,5 +67,8 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
 
 // What runs where a scene calls for these: without what is left out of it, and with what is forced.
 RfSceneTraits rf_running_traits( const RfScene* scene, RfSceneTraits called );
+
+// Refuses, by name, what a render calls for and the build has been made without.
+RfResult rf_check_built( const RfShot* shot, const RfRenderSettings* settings, RfError* error );
 
 #endif

@@ -2,7 +2,6 @@
 #include "reuse/reuse_plan.h"
 
 #include "light_paths/light_paths.h"
-#include "render/render_effects.h"
 
 // Light samples per first hit with tiles, at least. Tiles share all other light, and these samples are cheap beside the rest of
 // a path (scripts/bench/RESULTS.md).

@@ -1,5 +1,5 @@
 // Internal to this folder: Embree's scenes, in two levels: one of the triangles in world space and of instances, and one for each
-// mesh that is placed. Alpha-masked and alpha-blended triangles, thin panes and far triangles (trace/far.h) are a geometry with a
+// mesh that is placed. Alpha-masked and alpha-blended triangles, thin panes and far triangles (trace/tracer.h) are a geometry with a
 // filter function; scenes without any have a single geometry.
 #ifndef REFRAME_TRACE_BVH_H
 #define REFRAME_TRACE_BVH_H
@@ -24,7 +24,7 @@ typedef struct RfMeshBvh
     const RfTriangles* triangles;
     RTCScene embree_scene;
     float scale;           // of Embree's positions over the triangles': a power of two, 1 but for tiny and huge ones
-    float far_error;       // triangles beyond this error, in their own space, are checked (trace/far.h)
+    float far_error;       // triangles beyond this error, in their own space, are checked (trace/tracer.h)
     bool far;              // some are
     bool placed;           // by a matrix
     uint32_t masked_first; // first index in `order` that has the filter: masked, blended, panes and far triangles
@@ -72,7 +72,6 @@ void rf_commit_scene( RTCScene scene );
 // A scene of the mirrors' triangles alone, in their order; NULL if there are none.
 RTCScene rf_build_mirror_scene( RTCDevice device, const RfScene* scene, float scale, const RfMirrors* mirrors );
 
-// Releases Embree's scenes.
 void rf_destroy_bvh( RfBvh* bvh );
 // Those of a posed BVH alone, but not those that it shares.
 void rf_destroy_posed_bvh( RfBvh* bvh );
@@ -109,14 +108,6 @@ typedef struct RfQuery
     // where there are placements: origins and directions, which Embree takes into the spaces of meshes
     float world[6][RF_PACKET];
 } RfQuery;
-
-// For a matrix whose entries are rounded by these magnitudes.
-RfPlacedBvh rf_note_matrix( const RfMat4* matrix, const RfMat4* most );
-
-// Embree's filter function for geometries whose user pointer is their RfMeshBvh (trace/filter.c). Rejects hits where the surface
-// is masked out. On a blended surface, rays hit with probability alpha, by a hash of the ray; segments are attenuated by
-// 1 − alpha. Thin panes are passed by a hash of the ray, and their factors accumulated for segments.
-void rf_filter_hits( const struct RTCFilterFunctionNArguments* args );
 
 // The triangle in its list of a primitive of one of the two geometries.
 static inline uint32_t rf_mesh_triangle( const RfMeshBvh* mesh, unsigned int geometry, uint32_t primitive )

@@ -30,7 +30,6 @@ static void keep_rays( RfQuery* query, const struct RTCRay16* ray )
     memcpy( query->world[3], ray->dir_x, 3 * sizeof ray->dir_x );
 }
 
-// The valid rays that may meet what moves.
 static inline bool find_near( const RfBvh* bvh, const struct RTCRay16* ray, const int* valid, int* near )
 {
     const float *o[3] = { ray->org_x, ray->org_y, ray->org_z }, *d[3] = { ray->dir_x, ray->dir_y, ray->dir_z };
@@ -207,7 +206,6 @@ static void find_panes( const RfTracer* tracer, const int* valid, const struct R
     intersect_world( valid, out, &packet );
 }
 
-// From primitives of geometries to triangles of the mesh.
 static void restore_order( const RfMeshBvh* mesh, int count, const unsigned int* geometry, uint32_t* triangle )
 {
     for ( int i = 0; i < count; ++i )

@@ -57,7 +57,6 @@ bool rf_tracer_has_ghosts( const RfTracer* tracer );
 void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
                      uint8_t* touched );
 
-// What runs for the tracer's scene.
 RfTracerRuns rf_tracer_runs( const RfTracer* tracer );
 
 // True if some surface is alpha-blended. Visibility is then a number between 0 and 1.
@@ -86,8 +85,6 @@ static inline bool rf_tracer_is_textured( const RfTracer* tracer )
 
 // The lights of the scene, collected at creation (light/light.h), or as they have been set.
 const RfLights* rf_tracer_lights( const RfTracer* tracer );
-
-// The flat mirrors of the scene.
 const RfMirrors* rf_tracer_mirrors( const RfTracer* tracer );
 
 // Where its mirrors and its glass are.
@@ -106,7 +103,7 @@ typedef struct RfTriangleRecord
     uint32_t material;
     uint32_t light; // index into RfLights, or RF_NO_LIGHT
     uint8_t flat;   // 1: the shading normal is the geometric normal
-    uint8_t far;    // 1: hits are checked in doubles (trace/far.h)
+    uint8_t far;    // 1: hits are checked in doubles (trace/tracer.h)
     uint8_t mirror; // index into RfMirrors, or RF_NO_MIRROR
     uint8_t placed; // 1: of a placement; ng points to the front side, but need not be along e1 × e2
     float offset;   // ray offset for hits interpolated from its vertices (rf_ray_offset)
@@ -128,7 +125,6 @@ static inline const RfTracerRecords* rf_tracer_records( const RfTracer* tracer )
 
 static inline bool rf_tracer_has_placements( const RfTracer* tracer ) { return rf_tracer_records( tracer )->placed; }
 
-// Makes the record of a placement's triangle.
 const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place );
 uint32_t rf_placed_material( const RfTracer* tracer, uint32_t triangle );
 uint32_t rf_placed_light( const RfTracer* tracer, uint32_t triangle );
@@ -140,13 +136,11 @@ static inline const RfTriangleRecord* rf_triangle_record( const RfTracer* tracer
     return triangle < known->count ? known->records + triangle : rf_place_triangle_record( tracer, triangle, place );
 }
 
-// Whether a triangle moves.
 static inline bool rf_is_moving( const RfTracer* tracer, uint32_t triangle )
 {
     return triangle >= rf_tracer_records( tracer )->moving && triangle != RF_MISS;
 }
 
-// The number of a triangle's material.
 static inline uint32_t rf_triangle_material( const RfTracer* tracer, uint32_t triangle )
 {
     const RfTracerRecords* known = rf_tracer_records( tracer );
@@ -248,5 +242,26 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
 // Enables flush-to-zero and rounding to nearest for the calling thread. Call at the start of main and of every
 // parallel region, so that results do not depend on the thread.
 void rf_set_float_mode( void );
+
+// Tracers that share all but the light with another.
+
+// A tracer under some of its lights alone: since light is linear, pictures by it sum to the picture under all of them, and with the
+// same random numbers they do so to rounding.
+typedef struct RfRelitTracer RfRelitTracer;
+
+// Whether a light of the tracer stays lit.
+typedef bool RfIsLit( void* user, uint32_t light );
+
+// For a tracer that paths of one frame are traced with; it must outlive this one. All but the light is shared, lights are selected
+// with the same probabilities, and nothing moves in its scene. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_relit_tracer( const RfTracer* tracer, RfIsLit* is_lit, void* user, RfRelitTracer** relit, RfError* error );
+void rf_destroy_relit_tracer( RfRelitTracer* relit );
+
+const RfTracer* rf_relit_tracer( const RfRelitTracer* relit );
+
+// A tracer whose lights that hold are split by light groups (light/light.h). The other must outlive it. Fails with RF_ERROR_MEMORY.
+RfResult rf_create_split_tracer( const RfTracer* tracer, const RfLightGroups* groups, RfTracer** split, RfError* error );
+// NULL is allowed.
+void rf_destroy_split_tracer( RfTracer* split );
 
 #endif

@@ -1,11 +1,74 @@
 // The records of triangles that hits refer to.
+#include "trace/tracer.h"
+
 #include "base/fault.h"
 #include "scene/moments.h"
-#include "trace/far.h"
-#include "trace/tracer.h"
 
 #include <float.h>
 #include <stdlib.h>
+
+// Triangles of great extent: which they are, and their hits in doubles.
+
+float rf_embree_error( RfVec3 e1, RfVec3 e2, RfVec3 way )
+{
+    double twice;
+    rf_unit_cross( e1, e2, &twice );
+    double x = fabs( (double)e1.y * (double)e2.z ) + fabs( (double)e1.z * (double)e2.y );
+    double y = fabs( (double)e1.z * (double)e2.x ) + fabs( (double)e1.x * (double)e2.z );
+    double z = fabs( (double)e1.x * (double)e2.y ) + fabs( (double)e1.y * (double)e2.x );
+    double sum = x * fabs( (double)way.x ) + y * fabs( (double)way.y ) + z * fabs( (double)way.z );
+    return twice > 0.0 ? RF_EMBREE_ERROR * (float)( sum / twice ) : 0.0f;
+}
+
+bool rf_cross_plane( const RfTriangleRecord* t, RfVec3 o, RfVec3 d, double* distance )
+{
+    // products of two floats are exact in doubles
+    double x1 = (double)t->e1.x, y1 = (double)t->e1.y, z1 = (double)t->e1.z;
+    double x2 = (double)t->e2.x, y2 = (double)t->e2.y, z2 = (double)t->e2.z;
+    double nx = y1 * z2 - z1 * y2, ny = z1 * x2 - x1 * z2, nz = x1 * y2 - y1 * x2;
+    double along = nx * (double)d.x + ny * (double)d.y + nz * (double)d.z;
+    double away =
+        nx * ( (double)t->p0.x - (double)o.x ) + ny * ( (double)t->p0.y - (double)o.y ) + nz * ( (double)t->p0.z - (double)o.z );
+    *distance = away / along;
+    return along != 0.0;
+}
+
+RfHitPoint rf_hit_far_triangle( const RfTriangleRecord* t, RfVec3 o, RfVec3 d, RfHitPoint interpolated )
+{
+    double s;
+    // instances are off by their matrix as well, which only the check in doubles knows
+    if ( t->placed && !t->far )
+        return interpolated;
+    if ( RF_FAULT( far_triangles ) || !rf_cross_plane( t, o, d, &s ) || !( s > 0.0 ) )
+        return interpolated;
+    RfVec3 p = { (float)( (double)o.x + s * (double)d.x ), (float)( (double)o.y + s * (double)d.y ),
+                 (float)( (double)o.z + s * (double)d.z ) };
+    // segments end here from places about as far as where this ray started: the largest coordinate counts
+    float offset = rf_ray_offset( rf_maxf( rf_largest_coordinate( p ), rf_largest_coordinate( o ) ) );
+    if ( !t->far ) // rays that leave must get away from it by Embree's arithmetic
+        offset += rf_embree_error( t->e1, t->e2, rf_sub( t->p0, p ) );
+    return offset < interpolated.offset ? ( RfHitPoint ){ p, offset } : interpolated;
+}
+
+RfPlacedBvh rf_note_matrix( const RfMat4* matrix, const RfMat4* most )
+{
+    RfPlacedBvh placed = { .side = 1.0f };
+    double det = rf_mat4_det3( matrix );
+    if ( det == 0.0 )
+        return placed;
+    placed.side = det < 0.0 ? -1.0f : 1.0f;
+    for ( int r = 0; r < 3; ++r )
+    {
+        for ( int c = 0; c < 3; ++c )
+        {
+            // the minor without column r and row c
+            const double *a = most->m + 4 * ( ( r + 1 ) % 3 ), *b = most->m + 4 * ( ( r + 2 ) % 3 );
+            int i = ( c + 1 ) % 3, k = ( c + 2 ) % 3;
+            placed.inverse[r][c] = (float)( ( fabs( a[i] * b[k] ) + fabs( a[k] * b[i] ) ) / fabs( det ) );
+        }
+    }
+    return placed;
+}
 
 // Roundings of 2⁻²⁴ in the inverse of a matrix and in what it transforms. 1 does, with the offset that triangles have anyway.
 #define PLACED_ROUNDINGS 4.0f
@@ -145,7 +208,8 @@ static void make_placed( const RfTracer* tracer, const RfTriangleAt* at, RfTrian
     place->offset = rf_maxf( place->offset, rf_ray_offset( rf_largest_coordinate( between.world ) ) );
 }
 
-void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
+// The record of a placement's triangle, made at `place`.
+static void make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTriangleRecord* place )
 {
     make_placed( tracer, at, place );
     place->light = rf_moving_light( &tracer->lights, at->placement->first + at->index );
@@ -154,7 +218,7 @@ void rf_make_placed_record( const RfTracer* tracer, const RfTriangleAt* at, RfTr
 const RfTriangleRecord* rf_place_triangle_record( const RfTracer* tracer, uint32_t triangle, RfTriangleRecord* place )
 {
     RfTriangleAt at = rf_locate_placed_triangle( tracer->scene, triangle );
-    rf_make_placed_record( tracer, &at, place );
+    make_placed_record( tracer, &at, place );
     return place;
 }
 

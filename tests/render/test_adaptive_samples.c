@@ -2,8 +2,6 @@
 // nothing else changes the result.
 #include "support/cli_run.h"
 #include "render/adaptive/adaptive.h"
-#include "render/adaptive/glint_pilot.h"
-#include "render/adaptive/need.h"
 #include "support/rooms.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"

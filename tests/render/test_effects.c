@@ -3,7 +3,7 @@
 #include "support/render_support.h"
 #include "support/test.h"
 
-#include "render/sizes.h"
+#include "render/memory/memory.h"
 #include "scene/lens.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #include "support/test.h"
 
 #include "scene/light_groups.h"
-#include "trace/relit.h"
+#include "trace/trace.h"
 
 #include <stdio.h>
 

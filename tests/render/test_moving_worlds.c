@@ -1,9 +1,8 @@
 // A scene that moves, frame by frame: its motion against closed forms, memory that counts what moves, the same bits however frames
 // are asked for, and failures in the midst of a render.
-#include "base/arena.h"
 #include "reframe/plan.h"
 #include "render/settings.h"
-#include "render/sizes.h"
+#include "render/memory/memory.h"
 #include "render/worlds.h"
 #include "support/render_one.h"
 #include "support/render_support.h"

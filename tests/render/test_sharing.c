@@ -4,7 +4,7 @@
 #include "support/rooms.h"
 #include "support/test.h"
 
-#include "trace/relit.h"
+#include "trace/trace.h"
 
 #define WIDTH 24
 #define HEIGHT 16

@@ -19,7 +19,7 @@
 // With RF_ADAPTIVE_AUTO a coarse look comes first, a ray for a sixteenth of the pixels: where few of them are without
 // help the frame gets neither a pilot nor extra samples. The pilot's random numbers do not depend on it.
 //
-// Glints, pixels in which few first hits bring most of the light, have a pilot and extra samples of their own (glint_pilot.h).
+// Glints, pixels in which few first hits bring most of the light, have a pilot and extra samples of their own (glint_pilot.c).
 //
 // An extra sample belongs to a group of one frame: f |cos| L / p, plain or shared in its
 // tile, with the weight of a pass. It adds 1 to B and 1 to the pixel's number of
@@ -34,6 +34,9 @@
 #define REFRAME_RENDER_ADAPTIVE_ADAPTIVE_H
 
 #include "render/renderer.h"
+
+#include <stdbool.h>
+#include <stddef.h>
 
 // One class: a material, or in the last place all that are alike.
 typedef struct RfMaterialNoise
@@ -62,5 +65,42 @@ void rf_run_pilot( RfRenderer* renderer, RfLiveFilm* live );
 
 // Traces the extra samples that go with a pass, into all films in use.
 void rf_render_extra( RfRenderer* renderer, const RfPass* pass );
+
+// What a pilot found, per pixel.
+typedef struct RfPilotSums
+{
+    float* share; // sums of ρ over the passes
+    const float*
+        noise; // four per pixel: sums of the two variances of its hits' classes, of the hits, and of costs; NULL: all alike
+    const float* samples; // camera rays of the pixel; NULL: one in each pass
+    size_t pixels;
+    float passes;
+    int eyes;     // of the group
+    bool wary;    // extra samples must pay by a margin (RF_ADAPTIVE_AUTO), where materials differ in noise
+    double worth; // of an extra sample beside one of a pass: 1 without a pixel filter (film/pixel_filter.h)
+} RfPilotSums;
+
+// Do enough pixels of a coarse look lack samples for a pilot to be worth it?
+bool rf_extra_may_pay( const RfPilotSums* sums );
+
+// Replaces sums->share by the extra samples of each pixel in a pass, and returns the most.
+float rf_set_need( const RfPilotSums* sums );
+
+// θ for pixels of which counts[b] have ρ = (b + 1) / bins. counts[] leaves out pixels
+// that see nothing, `all` has them; `eyes`: cameras of the group. 1: no extra samples pay.
+double rf_extra_threshold( const double* counts, int bins, double all, int eyes );
+
+// Extra samples of a pixel in a pass, at most.
+#define RF_MOST_GLINTS 64
+// With fewer samples of a frame the pilot costs more than a hundredth of it; `auto` leaves it out.
+#define RF_LEAST_GLINT_SPP 12
+
+// Fills live->glints and live->most_glints of a frame whose film has just been cleared; `worth`: of an extra sample beside one of
+// a pass.
+void rf_find_glints( RfRenderer* renderer, RfLiveFilm* live, double worth );
+
+// From the sums of the pilot (RfEstimator.add_glints), four for each of `pixels`, to extra samples per pixel in a pass. Returns the
+// most; 0: none pay. `reach`: samples that a pass brings to a pixel.
+float rf_set_glints( const float* sums, size_t pixels, double reach, double worth, float* extra );
 
 #endif

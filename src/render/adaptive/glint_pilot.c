@@ -1,5 +1,4 @@
 // Foresees glints by a pilot, and how many extra samples they get.
-#include "render/adaptive/glint_pilot.h"
 
 #include "base/system.h"
 #include "render/adaptive/adaptive.h"

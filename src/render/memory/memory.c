@@ -4,10 +4,220 @@
 #include "base/layout.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "image/exr.h"
 #include "render/adaptive/adaptive.h"
+#include "render/settings.h"
+#include "render/worlds.h"
 
+#include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+// The arena: allocations counted by name against a budget; a request beyond it fails.
+
+#define ALIGNMENT 64
+
+size_t rf_arena_size( size_t bytes ) { return ( ( bytes > 0 ? bytes : 1 ) + ALIGNMENT - 1 ) / ALIGNMENT * ALIGNMENT; }
+
+static RfMemoryEntry* find_entry( RfArena* arena, const char* name )
+{
+    for ( int i = 0; i < arena->entry_count; ++i )
+    {
+        if ( strcmp( arena->entries[i].name, name ) == 0 )
+            return arena->entries + i;
+    }
+    if ( arena->entry_count == RF_MAX_MEMORY_ENTRIES )
+        return NULL;
+    RfMemoryEntry* entry = arena->entries + arena->entry_count++;
+    *entry = ( RfMemoryEntry ){ .name = name };
+    return entry;
+}
+
+RfArena rf_create_arena( size_t budget ) { return ( RfArena ){ .budget = budget }; }
+
+static size_t arena_room( const RfArena* arena )
+{
+    if ( arena->budget == 0 )
+        return SIZE_MAX;
+    return arena->budget > arena->bytes ? arena->budget - arena->bytes : 0;
+}
+
+// Counts `bytes` that are allocated elsewhere, by code that cannot use an arena. Fails like
+// rf_arena_alloc.
+static RfResult arena_reserve( RfArena* arena, const char* name, size_t bytes, RfError* error )
+{
+    if ( bytes > SIZE_MAX - ALIGNMENT )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: %zu bytes are more than any machine has", name, bytes );
+    size_t rounded = rf_arena_size( bytes );
+    if ( rounded > arena_room( arena ) )
+        return rf_advise( rf_fail( error, RF_ERROR_MEMORY, "%s: %.1f MiB do not fit, %.1f of %.1f MiB are in use", name,
+                                   (double)rounded / 1048576.0, (double)arena->bytes / 1048576.0,
+                                   (double)arena->budget / 1048576.0 ),
+                          RF_REMEDY_MEMORY, 0, error );
+    RfMemoryEntry* entry = find_entry( arena, name );
+    if ( entry == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: the arena has no room for another name", name );
+    arena->bytes += rounded;
+    entry->bytes += rounded;
+    if ( arena->bytes > arena->peak )
+        arena->peak = arena->bytes;
+    if ( entry->bytes > entry->peak )
+        entry->peak = entry->bytes;
+    return RF_OK;
+}
+
+static void arena_release( RfArena* arena, const char* name, size_t bytes )
+{
+    size_t rounded = rf_arena_size( bytes );
+    RfMemoryEntry* entry = find_entry( arena, name );
+    arena->bytes -= rounded;
+    if ( entry != NULL )
+        entry->bytes -= rounded;
+}
+
+RfResult rf_arena_alloc( RfArena* arena, const char* name, size_t bytes, void** memory, RfError* error )
+{
+    *memory = NULL;
+    RfResult result = arena_reserve( arena, name, bytes, error );
+    if ( result != RF_OK )
+        return result;
+    *memory = aligned_alloc( ALIGNMENT, rf_arena_size( bytes ) );
+    if ( *memory != NULL )
+        return RF_OK;
+    arena_release( arena, name, bytes );
+    return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory, %.1f MiB more are needed", name,
+                    (double)rf_arena_size( bytes ) / 1048576.0 );
+}
+
+void rf_arena_free( RfArena* arena, const char* name, void* memory, size_t bytes )
+{
+    if ( memory == NULL )
+        return;
+    free( memory );
+    arena_release( arena, name, bytes );
+}
+
+// The sizes of all buffers, from what the render and its estimator need.
+
+#define BATCHES_PER_THREAD 16 // in a chunk: enough to share out, few enough to stay in the cache
+#define LANDINGS_PER_THREAD 4 // likewise
+
+// First hits go to AOVs when they are traced, light paths and pieces are those of a pass, and a goal is looked at after each.
+static int passes_at_once( const RfEstimatorSizes* sizes, const RfGroupPlan* plan, const RfRenderSettings* settings )
+{
+    bool whole = sizes->shared > 0 || settings->pieces != NULL || rf_is_stopping( settings );
+    bool of_pass = whole || ( settings->aovs & RF_FIRST_HIT_AOVS ) != 0;
+    return of_pass ? 1 : plan->passes > 0 ? plan->passes : ( settings->spp - 1 ) / plan->eyes + 1;
+}
+
+// Adaptive sampling takes memory wherever it may happen: frames decide one by one.
+static bool may_adapt( const RfRenderSettings* settings, int eyes )
+{
+    bool may = settings->adaptive == RF_ADAPTIVE_ON || ( settings->adaptive == RF_ADAPTIVE_AUTO && eyes > 1 );
+    return rf_calls_for( may, RF_EFFECT_ADAPTIVE );
+}
+
+RfRenderSizes rf_render_sizes( const RfScene* scene, const RfEye* eyes, const RfGroupPlan* plan, int films,
+                               const RfRenderSettings* settings )
+{
+    RfSceneTraits called = rf_scene_traits( scene, eyes, plan->frames, settings );
+    RfEstimatorGroup group = rf_size_group( scene, called, eyes, plan->eyes, settings );
+    // as many additions to a pixel as the group has frames
+    bool adaptive = may_adapt( settings, plan->eyes );
+    int materials = adaptive && rf_noise_differs( &called ) ? (int)scene->material_count : 0;
+    bool glints = adaptive && called.sharp && settings->estimator->add_glints != NULL &&
+                  ( settings->adaptive == RF_ADAPTIVE_ON || settings->spp >= RF_LEAST_GLINT_SPP );
+    int block = rf_film_block( plan->eyes * rf_filter_pixels( settings ) + ( adaptive ? rf_most_extra( materials > 0 ) : 0 ) +
+                               ( glints ? RF_MOST_GLINTS : 0 ) );
+    int passes = __builtin_popcount( settings->aovs & RF_PASS_AOVS );
+    int worlds = rf_worlds_held( scene, plan->frames, plan->eyes, rf_follows_motion( settings ), adaptive );
+    RfEstimatorSizes of_estimator = settings->estimator->sizes( &group );
+    return ( RfRenderSizes ){
+        .estimator = settings->estimator,
+        .of_estimator = of_estimator,
+        .film_count = settings->estimator->films + rf_keeps_removed( scene, settings ) + passes + called.light_groups,
+        .pass_films = passes,
+        .group_films = called.light_groups,
+        .width = eyes->width,
+        .height = eyes->height,
+        .eyes = plan->eyes,
+        .threads = settings->threads,
+        .passes = passes_at_once( &of_estimator, plan, settings ),
+        .films = films < plan->eyes ? films : plan->eyes,
+        .buffers = settings->queue > films ? films
+                   : settings->queue > 1   ? settings->queue
+                                           : 1,
+        // of any number of frames: the least budget must not depend on it
+        .ring = settings->queue > 1 ? settings->queue : 1,
+        .aovs = settings->aovs,
+        .cryptomatte = settings->cryptomatte,
+        .covering = rf_wants_covering( settings ),
+        .filtered = !rf_is_plain_filter( settings ) && !settings->estimator->draws_by_filter,
+        .film_block = block,
+        .stopping = rf_is_stopping( settings ),
+        .paired = rf_is_stopping( settings ) && settings->flicker > 0.0,
+        .adaptive = adaptive,
+        .glints = glints,
+        .materials = materials,
+        .worlds = worlds,
+        .moving = rf_worlds_bytes( scene, worlds, called.blur_steps ),
+        .files = settings->files,
+    };
+}
+
+RfEstimatorGroup rf_size_group( const RfScene* scene, RfSceneTraits called, const RfEye* eyes, int eye_count,
+                                const RfRenderSettings* settings )
+{
+    return ( RfEstimatorGroup ){
+        .settings = settings,
+        .traits = rf_running_traits( scene, called ),
+        .width = eyes->width,
+        .height = eyes->height,
+        .max_depth = settings->max_depth,
+        .eyes = eyes,
+        .eye_count = eye_count,
+    };
+}
+
+static int matte_kinds( const RfRenderSizes* s )
+{
+    int kinds = 0;
+    for ( int k = 0; k < RF_CRYPTOMATTE_KINDS; ++k )
+        kinds += ( s->cryptomatte & 1u << k ) != 0;
+    return kinds;
+}
+
+// Batches at once that keep all threads busy.
+static int batches_wanted( const RfRenderSizes* s )
+{
+    int jobs = rf_batches_of_pass( s ), wanted = s->threads * BATCHES_PER_THREAD;
+    int64_t all = (int64_t)jobs * ( s->threads > 1 ? s->passes : 1 );
+    return all < wanted ? (int)all : wanted;
+}
+
+// What is kept at once of batches for frames (RfEstimator.land): of as many batches for each of `films` frames. One thread has no bands
+// to share it among.
+static int landing_count( const RfRenderSizes* s )
+{
+    if ( s->of_estimator.landing == 0 || s->threads == 1 || s->films == 0 ) // no films: none fits
+        return 0;
+    int each = ( s->threads * LANDINGS_PER_THREAD + s->films - 1 ) / s->films, batches = batches_wanted( s );
+    return s->films * ( each < batches ? each : batches );
+}
+
+// Bytes that writing a frame takes. They are counted, not allocated here.
+static size_t writer_bytes( const RfRenderSizes* s )
+{
+    int pixel_bytes =
+        ( 1 + s->group_films ) * ( s->files.half ? 3 * 2 : 3 * 4 ) + matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS * 4 * 4;
+    for ( int a = 0; a < RF_AOV_COUNT; ++a )
+    {
+        if ( ( s->aovs & RF_AOV_BIT( a ) ) != 0 )
+            pixel_bytes += rf_aov_channels( (RfAov)a ) * ( s->files.half && rf_aov_is_half( (RfAov)a ) ? 2 : 4 );
+    }
+    return s->files.written ? rf_exr_work_bytes( s->width, s->height, s->files.compression, pixel_bytes ) : 0;
+}
 
 #define WRITER "writer" // of files: allocated by OpenEXRCore while a frame is handed over
 #define MOVING "moving" // what moves: allocated by render/worlds.h and Embree
@@ -104,7 +314,7 @@ static void walk_buffer( RfMemoryWalk* w, RfFrameBuffer* buffer )
               ( s->aovs & RF_AOV_BIT( a ) ) != 0 ? pixels * (size_t)rf_aov_channels( (RfAov)a ) : 0 );
     for ( int i = 0; i < MATTES; ++i )
         TAKE( w, "layer images", buffer->mattes[i], ( s->cryptomatte & 1u << i / RF_CRYPTOMATTE_LAYERS ) != 0 ? 4 * pixels : 0 );
-    TAKE( w, "layer images", buffer->list, rf_matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS + s->group_films );
+    TAKE( w, "layer images", buffer->list, matte_kinds( s ) * RF_CRYPTOMATTE_LAYERS + s->group_films );
     for ( int g = 0; g < s->group_films; ++g )
         TAKE( w, "layer images", buffer->groups[g], 3 * pixels );
 }
@@ -174,7 +384,7 @@ static void walk_scratch( RfMemoryWalk* w, RfRenderMemory* m )
     const RfRenderSizes* s = w->sizes;
     walk_blocks( w, "scratch", s->threads, s->of_estimator.trace_scratch, &m->trace_scratch );
     walk_blocks( w, "scratch", s->threads, s->of_estimator.accumulate_scratch, &m->accumulate_scratch );
-    walk_blocks( w, "scratch", rf_landings( s ), s->of_estimator.landing, &m->landings );
+    walk_blocks( w, "scratch", landing_count( s ), s->of_estimator.landing, &m->landings );
     if ( s->of_estimator.finish_scratch > 0 )
         w->take( w, "scratch", s->of_estimator.finish_scratch, &m->finish_scratch );
     if ( s->of_estimator.shared > 0 )
@@ -212,11 +422,10 @@ static size_t records_bytes( const RfRenderSizes* s, int batches )
 // Of everything but the batches, with one finished frame.
 static size_t fixed_bytes( const RfRenderSizes* s )
 {
-    size_t counted = rf_piece_bytes( rf_writer_bytes( s ) ) + rf_piece_bytes( s->moving );
+    size_t counted = rf_piece_bytes( writer_bytes( s ) ) + rf_piece_bytes( s->moving );
     return rf_films_bytes( s ) + measured( s, walk_buffers ) + image_bytes( s ) + measured( s, walk_scratch ) + counted;
 }
 
-// One buffer more.
 static RfResult alloc_buffer( const RfRenderSizes* s, RfRenderMemory* m, RfError* error )
 {
     Walk w = begin_allocating( s, m, error );
@@ -235,8 +444,8 @@ static void clear_films( const RfRenderSizes* s, RfRenderMemory* m )
 // As many batches at once as serve the threads and fit the budget, at least one.
 static int batch_slots( const RfRenderSizes* s, const RfRenderMemory* m )
 {
-    int slots = rf_batches_wanted( s );
-    size_t room = rf_arena_room( &m->arena );
+    int slots = batches_wanted( s );
+    size_t room = arena_room( &m->arena );
     if ( records_bytes( s, slots ) <= room )
         return slots;
     int fit = (int)( room / ( records_bytes( s, slots ) / (size_t)slots ) ); // upper bound
@@ -250,8 +459,8 @@ static RfResult alloc_more_buffers( const RfRenderSizes* s, RfRenderMemory* m, R
 {
     size_t batches = records_bytes( s, batch_slots( s, m ) );
     RfResult result = RF_OK;
-    while ( result == RF_OK && m->buffer_count < s->buffers && rf_arena_room( &m->arena ) > batches &&
-            rf_arena_room( &m->arena ) - batches >= image_bytes( s ) )
+    while ( result == RF_OK && m->buffer_count < s->buffers && arena_room( &m->arena ) > batches &&
+            arena_room( &m->arena ) - batches >= image_bytes( s ) )
         result = alloc_buffer( s, m, error );
     return result;
 }
@@ -289,11 +498,11 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
                                  RfError* error )
 {
     RfResult result = check_permitted( sizes, memory, error );
-    if ( result == RF_OK && rf_writer_bytes( sizes ) > 0 )
-        result = rf_arena_reserve( &memory->arena, WRITER, rf_writer_bytes( sizes ), error );
-    memory->has_writer = rf_writer_bytes( sizes ) > 0 && result == RF_OK;
+    if ( result == RF_OK && writer_bytes( sizes ) > 0 )
+        result = arena_reserve( &memory->arena, WRITER, writer_bytes( sizes ), error );
+    memory->has_writer = writer_bytes( sizes ) > 0 && result == RF_OK;
     if ( result == RF_OK && sizes->moving > 0 )
-        result = rf_arena_reserve( &memory->arena, MOVING, sizes->moving, error );
+        result = arena_reserve( &memory->arena, MOVING, sizes->moving, error );
     memory->has_moving = sizes->moving > 0 && result == RF_OK;
     if ( result != RF_OK )
         return result;
@@ -307,7 +516,7 @@ RfResult rf_alloc_render_memory( const RfEstimatorGroup* group, const RfRenderSi
     walk_buffers( &w.walk, memory );
     if ( w.result == RF_OK )
         w.result = alloc_buffer( sizes, memory, error ); // at least one is needed
-    memory->landing_slots = rf_landings( sizes );
+    memory->landing_slots = landing_count( sizes );
     walk_scratch( &w.walk, memory );
     if ( w.result != RF_OK )
         return w.result;
@@ -323,9 +532,9 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 {
     Walk w = begin_freeing( s, m );
     if ( m->has_writer )
-        rf_arena_release( &m->arena, WRITER, rf_writer_bytes( s ) );
+        arena_release( &m->arena, WRITER, writer_bytes( s ) );
     if ( m->has_moving )
-        rf_arena_release( &m->arena, MOVING, s->moving );
+        arena_release( &m->arena, MOVING, s->moving );
     walk_films( &w.walk, m );
     walk_buffers( &w.walk, m );
     walk_scratch( &w.walk, m );
@@ -338,7 +547,7 @@ void rf_free_render_memory( const RfRenderSizes* s, RfRenderMemory* m )
 // Fewest batches that keep all threads busy.
 static int batches_needed( const RfRenderSizes* s )
 {
-    int wanted = rf_batches_wanted( s );
+    int wanted = batches_wanted( s );
     return wanted < s->threads ? wanted : s->threads;
 }
 
@@ -398,7 +607,7 @@ static int up( int a, int b ) { return ( a + b - 1 ) / b; }
 
 static int batches_that_fit( size_t budget, const RfRenderSizes* s )
 {
-    int batches = rf_batches_wanted( s );
+    int batches = batches_wanted( s );
     size_t room = budget - fixed_bytes( s );
     while ( batches > batches_needed( s ) && records_bytes( s, batches ) > room )
         batches -= 1;
@@ -430,7 +639,7 @@ RfResult rf_fit_sizes( size_t budget, int frames, RfRenderSizes* sizes, RfMemory
     fit->chunks = up( rf_batches_of_pass( sizes ), fit->batches );
     fit->bytes_films = rf_films_bytes( sizes ) + measured( sizes, walk_buffers ) + image_bytes( sizes );
     fit->bytes_hits = records_bytes( sizes, fit->batches );
-    fit->bytes_lists = measured( sizes, walk_scratch ) + rf_writer_bytes( sizes ) + sizes->moving;
+    fit->bytes_lists = measured( sizes, walk_scratch ) + writer_bytes( sizes ) + sizes->moving;
     return RF_OK;
 }
 

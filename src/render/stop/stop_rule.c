@@ -1,10 +1,93 @@
 // Decides after each pass of a group whether another one is due: by error, by flicker or by time.
 #include "render/stop/stop_rule.h"
 
-#include "render/stop/pair_rule.h"
-
 #include <limits.h>
 #include <math.h>
+
+static double shares_of( const RfStopRule* rule, int group ) { return rf_group( &rule->plan, group ).passes / rule->scale; }
+
+double rf_planned_weight( const RfStopRule* rule, int frame, int from )
+{
+    int first, last;
+    rf_groups_of_frame( &rule->plan, frame, &first, &last );
+    double sum = 0.0;
+    for ( int w = from > first ? from : first; w <= last; ++w )
+        sum += shares_of( rule, w ) * rf_group( &rule->plan, w ).weight;
+    return sum;
+}
+
+// With these weights of both frames and of what they share. 0: the later frame has none, and none are planned yet.
+static double f1_squared_of( const RfPairNow* pair, double end, double shared, double now_end )
+{
+    const RfFlicker* f = &pair->flicker;
+    double before = pair->before->weight, now = pair->now->weight;
+    if ( !( now_end > 0.0 ) )
+        return 0.0;
+    return f->before * before / end + f->now * now / now_end - 2.0 * f->product * before * shared / ( end * now_end );
+}
+
+// (E13) with the passes to come: those of both frames make errors and their product smaller, those of the later frame alone
+// are taken as independent of what the earlier one has.
+double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair )
+{
+    const RfFrameNoise *before = pair->before, *now = pair->now;
+    int first, last;
+    rf_groups_of_frame( &rule->plan, before->frame, &first, &last );
+    double whole = rf_planned_weight( rule, before->frame, first );
+    double both = rf_planned_weight( rule, before->frame, pair->group + 1 );
+    double alone = rf_planned_weight( rule, now->frame, last > pair->group ? last + 1 : pair->group + 1 );
+    double rate = before->weight / ( whole - both ); // passes of a share so far
+    double end = before->weight + rate * both, shared = now->weight + rate * both, now_end = shared + rate * alone;
+    double planned = f1_squared_of( pair, end, shared, now_end );
+    return isnan( planned ) ? planned
+                            : fmax( fmax( planned, f1_squared_of( pair, end, shared, now_end + pair->spare ) ), 0.0 ) * end;
+}
+
+// The passes of the later frame are spread unevenly where there are few, and follow what other frames need.
+#define SPARE 0.25 // of what is planned for its last group, and a pass
+#define MARGIN 1.1 // of F1², since the later frame is estimated again when nothing can be mended
+
+double rf_flicker_ahead( const RfStopRule* rule, RfPairNow* pair )
+{
+    int first, last, next_first, next_last;
+    rf_groups_of_frame( &rule->plan, pair->before->frame, &first, &last );
+    rf_groups_of_frame( &rule->plan, pair->now->frame, &next_first, &next_last );
+    if ( next_last > last )
+        pair->spare = SPARE * pair->before->weight / ( last - first + 1 ) + rf_group( &rule->plan, next_last ).weight;
+    return ( next_last > last ? MARGIN : 1.0 ) * rf_flicker_doubt( &pair->flicker ) * rf_final_flicker( rule, pair );
+}
+
+// While both are rendered the later frame shares all that it has.
+RfPairNoise rf_pair_noise( const RfPairNow* pair )
+{
+    const RfFlicker* f = &pair->flicker;
+    double doubt = rf_flicker_doubt( f ), before = pair->before->weight;
+    return ( RfPairNoise ){ .variance = 0.5 * doubt * ( f->before * before + f->now * pair->now->weight ),
+                            .covariance = doubt * f->product * before };
+}
+
+// v of F1² of a frame and the next (of the one before and the last) by the plan of groups.
+static double planned_flicker( const RfStopRule* rule, int frame, RfPairNoise pair )
+{
+    frame -= !rf_share_shot( &rule->plan, frame, frame + 1 ) && rf_share_shot( &rule->plan, frame - 1, frame );
+    if ( !rf_share_shot( &rule->plan, frame, frame + 1 ) ) // a single frame: as with another one like it
+        return 2.0 * pair.variance;
+    int first, last, next_first, next_last;
+    rf_groups_of_frame( &rule->plan, frame, &first, &last );
+    rf_groups_of_frame( &rule->plan, frame + 1, &next_first, &next_last );
+    double whole = rf_planned_weight( rule, frame, first ), next = rf_planned_weight( rule, frame + 1, next_first );
+    double shared = next_first <= last ? rf_planned_weight( rule, frame, next_first ) : 0.0;
+    return fmax( pair.variance * ( 1.0 + whole / next ) - 2.0 * pair.covariance * shared / next, 0.0 );
+}
+
+double rf_late_flicker( const RfStopRule* rule, const RfFrameNoise* now, const RfFlicker* flicker )
+{
+    double doubt = rf_flicker_doubt( flicker ), wanted = rule->goals.flicker / doubt;
+    double falls = flicker->now - 2.0 * flicker->product; // with the inverse of the weight; the rest stays
+    if ( rf_flicker_f1_squared( flicker ) <= wanted || falls <= 0.0 || flicker->before >= wanted )
+        return 0.0;
+    return rule->goals.flicker * now->weight * falls / ( wanted - flicker->before );
+}
 
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
@@ -23,7 +106,7 @@ RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals*
 
 double rf_group_units( const RfStop* stop, int group )
 {
-    return rf_shares_of( &stop->rule, group ) * rf_group( &stop->rule.plan, group ).eyes;
+    return shares_of( &stop->rule, group ) * rf_group( &stop->rule.plan, group ).eyes;
 }
 
 RfGroup rf_group_in_work( const RfStop* stop )
@@ -130,7 +213,7 @@ static RfPairNoise pair_of( const Pool* p )
 static double pooled( const RfStop* stop, const RfNoiseEstimates* look, int goal, int frame )
 {
     Pool sums = pool_all( stop, look, frame );
-    return goal == NOISE ? noise_of( &sums ) : rf_planned_flicker( &stop->rule, frame, pair_of( &sums ) );
+    return goal == NOISE ? noise_of( &sums ) : planned_flicker( &stop->rule, frame, pair_of( &sums ) );
 }
 
 // Weight that the frame needs for the hardest goal, by the pooled estimates and with `own` by its own, too; NaN: not known.
@@ -164,7 +247,7 @@ static double due_to_frame( const RfStop* stop, const RfNoiseEstimates* look, co
     int first, last;
     rf_groups_of_frame( &stop->rule.plan, f->frame, &first, &last );
     RfGroup group = rf_group( &stop->rule.plan, look->group );
-    double share = rf_shares_of( &stop->rule, look->group ), whole = rf_planned_weight( &stop->rule, f->frame, first );
+    double share = shares_of( &stop->rule, look->group ), whole = rf_planned_weight( &stop->rule, f->frame, first );
     if ( last == look->group && is_known( stop, f ) )
     {
         double needed = needed_weight( stop, look, f, true );
@@ -184,7 +267,7 @@ static double due_to_be_even( const RfStop* stop, const RfNoiseEstimates* look )
 {
     if ( stop->rule.goals.flicker <= 0.0 || stop->rule.plan.eyes == 1 )
         return 0.0;
-    return rf_shares_of( &stop->rule, look->group ) *
+    return shares_of( &stop->rule, look->group ) *
            fmin( stop->last_rate * pow( 0.5, 1.0 / stop->rule.plan.eyes ), stop->rule.most );
 }
 
@@ -213,7 +296,7 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
 {
     if ( stop->units_done <= 0.0 )
         return done + 1.0; // one pass, to measure the pace
-    double share = rf_shares_of( &stop->rule, look->group ), eyes = rf_group( &stop->rule.plan, look->group ).eyes;
+    double share = shares_of( &stop->rule, look->group ), eyes = rf_group( &stop->rule.plan, look->group ).eyes;
     double left = fmax( 0.0, stop->rule.goals.seconds - now ) * stop->units_done / stop->seconds_done;
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
@@ -236,7 +319,7 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
 
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now )
 {
-    double share = rf_shares_of( &stop->rule, look->group ), least = share * stop->rule.least, due = share * stop->rule.most;
+    double share = shares_of( &stop->rule, look->group ), least = share * stop->rule.least, due = share * stop->rule.most;
     if ( stop->rule.goals.noise > 0.0 || stop->rule.goals.flicker > 0.0 )
     {
         due = fmax( due_by_estimates( stop, look ), due_to_be_even( stop, look ) );
@@ -262,7 +345,6 @@ void rf_note_pass( RfStop* stop, int eyes, double now )
     stop->last = now;
 }
 
-// The part of the shares that is done.
 static double part_done( const RfStop* stop )
 {
     double done = stop->units_all - stop->units_left - stop->group_units * ( 1.0 - stop->group_share );
@@ -290,7 +372,7 @@ void rf_end_group( RfStop* stop, int done )
 {
     stop->passes += done;
     stop->groups_done += 1;
-    double share = rf_shares_of( &stop->rule, stop->group );
+    double share = shares_of( &stop->rule, stop->group );
     stop->last_rate = share > 0.0 ? stop->due / share : 0.0; // whole passes would never fall
     stop->owed = fmin( fmax( stop->due + stop->owed - done, 0.0 ), 1.0 );
 }

@@ -14,7 +14,7 @@
 // before, by a thirtieth or more.
 //
 // For a flicker F: F1² of a pair of frames falls as 1 / W as well, so v = F1² · W with F² in the place of E. It must be
-// the F1 of the finished pair (pair_rule.h): the earlier frame is finished before the later one, and passes that the later
+// the F1 of the finished pair (src/reuse/estimators.md, section 17): the earlier frame is finished before the later one, and passes that the later
 // one alone gets do not help. Passes are spread more evenly then: due_to_be_even in
 // stop_rule.c. With both, a frame gets what the harder of the two needs.
 //
@@ -24,9 +24,71 @@
 #ifndef REFRAME_RENDER_STOP_STOP_RULE_H
 #define REFRAME_RENDER_STOP_STOP_RULE_H
 
-#include "render/stop/pair_rule.h"
+#include "film/film_error.h"
+#include "render/groups.h"
 
 #include <stdbool.h>
+
+// What a render is to reach; 0: does not matter.
+typedef struct RfStopGoals
+{
+    double noise;   // relMSE that every frame is to come below
+    double flicker; // F1² that every pair is to come below
+    double seconds; // for all frames
+} RfStopGoals;
+
+typedef struct RfStopRule
+{
+    RfStopGoals goals;
+    RfGroupPlan plan;   // of the shares
+    double scale;       // passes of a share in it
+    double most, least; // passes for each share
+} RfStopRule;
+
+// Weight of a frame's groups from number `from` on for one pass a share.
+double rf_planned_weight( const RfStopRule* rule, int frame, int from );
+
+// What a sample brings to a pair of frames: the mean variance of its errors, and the covariance where both have it.
+typedef struct RfPairNoise
+{
+    double variance, covariance; // NaN: not known
+} RfPairNoise;
+
+// What is known of a frame's noise.
+typedef struct RfFrameNoise
+{
+    int frame;
+    int passes;       // so far
+    double weight;    // of them
+    double noise;     // v, the relMSE times the weight it was estimated at
+    double flicker;   // the same of F1² of a pair that the frame is in, as rf_final_flicker has it; NaN: not known
+    RfPairNoise pair; // of this frame and the next, from which that of others is guessed
+    double seen;      // that weight; 0: neither is known
+} RfFrameNoise;
+
+// A pair of frames after some passes of a group that holds both, or neither shares any with the other.
+typedef struct RfPairNow
+{
+    int group;                  // in which it was estimated
+    const RfFrameNoise* before; // the earlier frame: number and weight
+    const RfFrameNoise* now;
+    RfFlicker flicker;
+    double spare; // weight that the later frame may get beyond what is planned
+} RfPairNow;
+
+// The likely F1² of the finished pair, times the weight of the earlier frame: falls as 1 over that weight. With `spare` it
+// is the larger one of those with and without. NaN: the flicker is not known.
+double rf_final_flicker( const RfStopRule* rule, const RfPairNow* pair );
+
+// The same to stop by, with doubts and the passes that the later frame may get beyond what is planned (pair->spare is set).
+double rf_flicker_ahead( const RfStopRule* rule, RfPairNow* pair );
+
+// The later frame is in its last group and the earlier one is finished. The same as a bound for the weight of the later
+// one; 0 where passes of that one alone do not bring F1² down to what is wanted.
+double rf_late_flicker( const RfStopRule* rule, const RfFrameNoise* now, const RfFlicker* flicker );
+
+// What a sample brings to the pair, from its flicker.
+RfPairNoise rf_pair_noise( const RfPairNow* pair );
 
 #define RF_STOP_HISTORY 16 // finished frames that are kept for pooling
 
@@ -70,19 +132,13 @@ double rf_group_units( const RfStop* stop, int group );
 // A group begins. Its `passes` say nothing; the others as in rf_group, with
 // the passes that there really were before it.
 RfGroup rf_begin_group( RfStop* stop, int group );
-
-// The group begun last, once more.
 RfGroup rf_group_in_work( const RfStop* stop );
 
 // Total passes that the group should have, by the latest estimates and the time now
 // (seconds since the start), after `done` passes. With a time it may change
 // after every pass, without it only with new estimates.
 int rf_passes_due( RfStop* stop, const RfNoiseEstimates* look, int done, double now );
-
-// A pass of the group is done.
 void rf_note_pass( RfStop* stop, int eyes, double now );
-
-// The group is done, with so many passes.
 void rf_end_group( RfStop* stop, int done );
 
 // Estimated part of the whole render that is done, 0 to 1.

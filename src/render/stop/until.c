@@ -3,7 +3,7 @@
 
 #include "base/system.h"
 #include "render/frames.h"
-#include "render/stop/pair_rule.h"
+#include "render/stop/stop_rule.h"
 
 #include <math.h>
 
