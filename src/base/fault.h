@@ -27,8 +27,8 @@
     X( fixed_offset, "offsets of rays are relative to coordinates", "acne-and-leaks" ) \
     X( flat_matrix, "a matrix without an inverse moves the vertices, not the rays", "moves-flat" ) \
     X( focus_order, "the shear of a film is x / focus, which is 0 for an infinite focus", "focus-infinite" ) \
-    X( ghosts, "light that something moving touches in the group is of its own frame", "moves-lid" ) \
-    X( ghosts_of_group, "what moves touches light where it is in all frames of the group", "moves-lid" ) \
+    X( swept, "light that something moving touches in the group is of its own frame", "moves-lid" ) \
+    X( swept_of_group, "what moves touches light where it is in all frames of the group", "moves-lid" ) \
     X( ggx_across, "sines of sharp lobes come from a cross product", "sharp-lobes" ) \
     X( glass_no_density, "no 0/0 for directions that rough reflection cannot take", "rough-glass-grazing rough-glass" ) \
     X( group_in_path, "groups have no more frames than the path", "group-beyond-path moves-short-path" ) \

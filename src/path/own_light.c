@@ -31,7 +31,7 @@ static void test( const RfTracer* tracer, Packed* p, float length, uint8_t* touc
         return;
     const float *o[3] = { p->o[0], p->o[1], p->o[2] }, *d[3] = { p->d[0], p->d[1], p->d[2] };
     memset( p->touched, 0, (size_t)p->count );
-    rf_find_ghosts( tracer, p->count, o, d, length, p->touched );
+    rf_find_swept( tracer, p->count, o, d, length, p->touched );
     for ( int k = 0; k < p->count; ++k )
         touched[p->of[k]] |= p->touched[k];
 }
@@ -87,7 +87,7 @@ void rf_touch_by_segments( const RfTracer* tracer, int count, const float* const
 {
     for ( int k = 0; k < count; ++k )
         touched[k] = !( visible[k] > 0.0f ); // is not tested
-    rf_find_ghosts( tracer, count, o, d, length, touched );
+    rf_find_swept( tracer, count, o, d, length, touched );
     for ( int k = 0; k < count; ++k )
         touched[k] = visible[k] > 0.0f ? touched[k] : 0;
 }

@@ -10,7 +10,7 @@
 
 // Bytes of the process beside those of poses, as it grows with Embree 3.13 on AVX2 and AVX-512. By a mesh of 500,000 triangles
 // that deforms, 103 for each, and once 154 while it is built; by 2,000 such meshes of 12 triangles, 5,200 for each; by
-// 10,000 nodes in groups of 7, 350 for each and 145 of the ghosts, and 650 after groups have come and gone.
+// 10,000 nodes in groups of 7, 350 for each and 145 of the swept geometry, and 650 after groups have come and gone.
 #define BYTES_PER_TRIANGLE 120 // with 16 for the order of those that have a filter
 #define BYTES_PER_BUILT_TRIANGLE 160
 #define BYTES_PER_MESH 6000
@@ -71,16 +71,16 @@ RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWor
 }
 
 // They hold on to what Embree needs of their frames.
-static void drop_ghosts( RfWorlds* worlds )
+static void drop_swept( RfWorlds* worlds )
 {
     for ( int i = 0; i < worlds->count; ++i )
     {
         if ( worlds->worlds[i].tracer != NULL )
-            rf_set_ghosts( worlds->worlds[i].tracer, NULL );
+            rf_set_swept( worlds->worlds[i].tracer, NULL );
     }
-    rf_destroy_ghosts( worlds->ghosts );
-    worlds->ghosts = NULL;
-    worlds->ghost_count = 0;
+    rf_destroy_swept( worlds->swept );
+    worlds->swept = NULL;
+    worlds->swept_count = 0;
 }
 
 static void drop_lights( RfWorlds* worlds )
@@ -100,15 +100,15 @@ static bool is_lit( const RfWorlds* worlds, int frame )
     return frame >= worlds->first_lit && frame < worlds->first_lit + worlds->lit_count;
 }
 
-static bool is_ghost( const RfWorlds* worlds, int frame )
+static bool is_swept( const RfWorlds* worlds, int frame )
 {
-    return frame >= worlds->first_ghost && frame < worlds->first_ghost + worlds->ghost_count;
+    return frame >= worlds->first_swept && frame < worlds->first_swept + worlds->swept_count;
 }
 
 static void close_world( RfWorlds* worlds, RfWorld* world )
 {
-    if ( is_ghost( worlds, world->frame ) )
-        drop_ghosts( worlds );
+    if ( is_swept( worlds, world->frame ) )
+        drop_swept( worlds );
     if ( is_lit( worlds, world->frame ) )
         drop_lights( worlds );
     if ( world->frame >= 0 )
@@ -124,7 +124,7 @@ static void close_world( RfWorlds* worlds, RfWorld* world )
 
 void rf_destroy_worlds( RfWorlds* worlds )
 {
-    drop_ghosts( worlds );
+    drop_swept( worlds );
     drop_lights( worlds );
     for ( int i = 0; i < worlds->count; ++i )
         close_world( worlds, worlds->worlds + i );
@@ -205,25 +205,25 @@ static RfResult open_world( RfWorlds* worlds, int frame, RfWorld* world, RfError
     return result;
 }
 
-static RfResult make_ghosts( RfWorlds* worlds, int first, int count, RfError* error )
+static RfResult make_swept( RfWorlds* worlds, int first, int count, RfError* error )
 {
-    if ( worlds->first_ghost == first && worlds->ghost_count == count )
+    if ( worlds->first_swept == first && worlds->swept_count == count )
         return RF_OK;
-    drop_ghosts( worlds );
-    RfResult result = rf_create_ghosts( count, worlds->tracers + first, &worlds->ghosts, error );
-    worlds->first_ghost = first;
-    worlds->ghost_count = result == RF_OK ? count : 0;
+    drop_swept( worlds );
+    RfResult result = rf_create_swept( count, worlds->tracers + first, &worlds->swept, error );
+    worlds->first_swept = first;
+    worlds->swept_count = result == RF_OK ? count : 0;
     return result;
 }
 
 // A frame alone has none: it is the same whichever group has been rendered before.
-static void set_ghosts( const RfWorlds* worlds, int first, int count )
+static void set_swept( const RfWorlds* worlds, int first, int count )
 {
     for ( int i = 0; i < worlds->count; ++i )
     {
         const RfWorld* world = worlds->worlds + i;
         if ( world->frame >= first && world->frame < first + count )
-            rf_set_ghosts( world->tracer, count > 1 ? worlds->ghosts : NULL );
+            rf_set_swept( world->tracer, count > 1 ? worlds->swept : NULL );
     }
 }
 
@@ -274,11 +274,11 @@ const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count )
             worlds->result = open_world( worlds, frame, free_world( worlds, low, end ), &worlds->error );
     }
     if ( worlds->result == RF_OK && count > 1 )
-        worlds->result = make_ghosts( worlds, first, count, &worlds->error );
+        worlds->result = make_swept( worlds, first, count, &worlds->error );
     if ( worlds->result == RF_OK )
         worlds->result = light_worlds( worlds, first, count, &worlds->error );
     if ( worlds->result != RF_OK )
         return NULL;
-    set_ghosts( worlds, first, count );
+    set_swept( worlds, first, count );
     return worlds->tracers + first;
 }

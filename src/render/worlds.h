@@ -27,8 +27,8 @@ typedef struct RfWorlds
     int count;             // worlds that are held at once; 0: nothing moves
     RfWorld* worlds;
     const RfTracer** tracers; // by frame; NULL: it is not open
-    RfGhosts* ghosts;         // of ghost_count frames from first_ghost on
-    int first_ghost, ghost_count;
+    RfSwept* swept;           // of swept_count frames from first_swept on
+    int first_swept, swept_count;
     bool lights_change;
     struct RfGroupLights* lights; // of the frames opened last; NULL: none changes
     int first_lit, lit_count;
@@ -40,7 +40,7 @@ typedef struct RfWorlds
 // frames before and after a group; `ahead`: with half a group after it, for groups around its last frame.
 int rf_worlds_held( const RfScene* scene, int frames, int eyes, bool neighbours, bool ahead );
 
-// Bytes that so many need, with the ghosts and the lights of a group of them. `steps`: the most of the path's eyes
+// Bytes that so many need, with the swept geometry and the lights of a group of them. `steps`: the most of the path's eyes
 // (RfEye.blur_steps).
 size_t rf_worlds_bytes( const RfScene* scene, int count, int steps );
 
@@ -48,7 +48,7 @@ size_t rf_worlds_bytes( const RfScene* scene, int count, int steps );
 RfResult rf_create_worlds( const RfShot* shot, int count, bool neighbours, RfWorlds* worlds, RfError* error );
 void rf_destroy_worlds( RfWorlds* worlds );
 
-// Opens frames [first, first + count); returns their tracers, which have ghosts where they are several, or NULL where nothing moves.
+// Opens frames [first, first + count); returns their tracers, which have swept geometry where they are several, or NULL where nothing moves.
 // They are valid until other frames are opened; those among them stay. Not to be called by several threads at once.
 const RfTracer* const* rf_open_worlds( RfWorlds* worlds, int first, int count );
 

@@ -231,8 +231,8 @@ static void filter_hits( const struct RTCFilterFunctionNArguments* args )
 // 1 − alpha. Thin panes are passed by a hash of the ray, and their factors accumulated for segments.
 static void filter_packet( const struct RTCFilterFunctionNArguments* args )
 {
-    if ( ( (const RfQuery*)args->context )->kind == RF_QUERY_GHOSTS )
-        return; // ghosts are there as a whole
+    if ( ( (const RfQuery*)args->context )->kind == RF_QUERY_SWEPT )
+        return; // swept geometry is there as a whole
     // Embree, which calls this, runs without traps
     rf_resume_float_traps( ( (const RfQuery*)args->context )->traps );
     filter_hits( args );
@@ -640,12 +640,12 @@ RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene
     return result;
 }
 
-void rf_add_ghosts( const RfBvh* posed, const RfScene* scene, RTCScene ghosts )
+void rf_add_swept( const RfBvh* posed, const RfScene* scene, RTCScene swept )
 {
     for ( int i = scene->still_placement_count; i < scene->placement_count && posed->moving != NULL; ++i )
     {
         if ( is_attached( scene, i ) )
-            rtcAttachGeometry( ghosts, rtcGetGeometry( posed->moving, RF_GEOMETRY_PLACEMENTS + (unsigned int)i ) );
+            rtcAttachGeometry( swept, rtcGetGeometry( posed->moving, RF_GEOMETRY_PLACEMENTS + (unsigned int)i ) );
     }
 }
 

@@ -64,7 +64,7 @@ RfResult rf_build_bvh( RTCDevice device, const RfScene* scene, RfBvh* bvh, RfErr
 RfResult rf_build_posed_bvh( RTCDevice device, const RfBvh* still, const RfScene* posed, RfBvh* bvh, RfError* error );
 
 // Adds what moves in a posed BVH to a scene of instances, not yet committed.
-void rf_add_ghosts( const RfBvh* posed, const RfScene* scene, RTCScene ghosts );
+void rf_add_swept( const RfBvh* posed, const RfScene* scene, RTCScene swept );
 
 // Commits a scene, without traps.
 void rf_commit_scene( RTCScene scene );
@@ -83,7 +83,7 @@ typedef enum RfQueryKind
     RF_QUERY_NEAREST,  // find the nearest hit
     RF_QUERY_SEGMENTS, // accumulate transmittance and panes
     RF_QUERY_PANES,    // accumulate the panes before hits that are known
-    RF_QUERY_GHOSTS,   // find whether anything is there, whatever its opacity
+    RF_QUERY_SWEPT,    // find whether anything is there, whatever its opacity
 } RfQueryKind;
 
 // The query that a packet belongs to; the ids of its rays are their lanes.

@@ -503,19 +503,19 @@ void rf_trace_mirrors( const RfTracer* tracer, RfVec3 origin, int count, const f
     }
 }
 
-void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
-                     uint8_t* touched )
+void rf_find_swept( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                    uint8_t* touched )
 {
-    if ( tracer->ghosts == NULL || RF_FAULT( ghosts ) )
+    if ( tracer->swept == NULL || RF_FAULT( swept ) )
         return;
-    RTCScene ghosts = RF_FAULT( ghosts_of_group ) ? tracer->bvh.moving : tracer->ghosts->embree_scene;
-    if ( ghosts == NULL )
+    RTCScene swept = RF_FAULT( swept_of_group ) ? tracer->bvh.moving : tracer->swept->embree_scene;
+    if ( swept == NULL )
         return;
-    RfQuery query = begin_query( tracer, RF_QUERY_GHOSTS, false, false );
+    RfQuery query = begin_query( tracer, RF_QUERY_SWEPT, false, false );
     _Alignas( 64 ) int valid[RF_PACKET];
     struct RTCRay16 ray;
     begin_rays( tracer, &ray );
-    // rays that may meet ghosts, of all blocks, in full packets
+    // rays that may meet swept geometry, of all blocks, in full packets
     int32_t near[RF_PACKET + RF_BOX_BLOCK];
     int listed = 0;
     for ( int first = 0; first < count; first += RF_BOX_BLOCK )
@@ -523,7 +523,7 @@ void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3],
         const float *from[3] = { o[0] + first, o[1] + first, o[2] + first },
                     *way[3] = { d[0] + first, d[1] + first, d[2] + first };
         int block = count - first < RF_BOX_BLOCK ? count - first : RF_BOX_BLOCK;
-        int found = rf_list_near_rays( &tracer->ghosts->boxes, block, from, way, length, touched + first, near + listed );
+        int found = rf_list_near_rays( &tracer->swept->boxes, block, from, way, length, touched + first, near + listed );
         for ( int k = 0; k < found; ++k )
             near[listed + k] += first;
         listed += found;
@@ -532,7 +532,7 @@ void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3],
         {
             lanes = set_valid( valid, traced, listed );
             gather_segments( &ray, lanes, o, d, near + traced, tracer->bvh.base.scale, length );
-            occluded( valid, ghosts, &query, &ray );
+            occluded( valid, swept, &query, &ray );
             for ( int i = 0; i < lanes; ++i )
                 touched[near[traced + i]] |= ray.tfar[i] < 0.0f;
         }

@@ -309,7 +309,7 @@ void rf_destroy_posed_tracer( RfTracer* tracer )
     free( tracer );
 }
 
-RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** out, RfError* error )
+RfResult rf_create_swept( int count, const RfTracer* const* posed, RfSwept** out, RfError* error )
 {
     *out = malloc( sizeof **out );
     if ( *out == NULL )
@@ -320,7 +320,7 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
     ( *out )->boxes = rf_no_boxes();
     for ( int i = 0; i < count; ++i )
     {
-        rf_add_ghosts( &posed[i]->bvh, posed[i]->scene, scene );
+        rf_add_swept( &posed[i]->bvh, posed[i]->scene, scene );
         ( *out )->reach = rf_maxf( ( *out )->reach, posed[i]->own_reach );
         rf_add_moving_boxes( posed[i]->scene, 1.0f, &( *out )->boxes );
     }
@@ -330,28 +330,28 @@ RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** o
     ( *out )->embree_scene = scene;
     if ( rf_tracer_error( posed[0] )[0] == 0 )
         return RF_OK;
-    rf_destroy_ghosts( *out );
+    rf_destroy_swept( *out );
     *out = NULL;
     return fail_build( posed[0]->still, posed[0]->scene, error );
 }
 
-void rf_destroy_ghosts( RfGhosts* ghosts )
+void rf_destroy_swept( RfSwept* swept )
 {
-    if ( ghosts == NULL )
+    if ( swept == NULL )
         return;
-    rtcReleaseScene( ghosts->embree_scene );
-    free( ghosts );
+    rtcReleaseScene( swept->embree_scene );
+    free( swept );
 }
 
-void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts )
+void rf_set_swept( RfTracer* posed, const RfSwept* swept )
 {
-    if ( posed->ghosts == ghosts )
+    if ( posed->swept == swept )
         return;
-    posed->ghosts = ghosts;
-    posed->lights.reach = ghosts != NULL ? ghosts->reach : posed->own_reach;
+    posed->swept = swept;
+    posed->lights.reach = swept != NULL ? swept->reach : posed->own_reach;
 }
 
-bool rf_tracer_has_ghosts( const RfTracer* tracer ) { return tracer->ghosts != NULL; }
+bool rf_tracer_has_swept( const RfTracer* tracer ) { return tracer->swept != NULL; }
 
 // Puts lights out, and splits them by groups.
 

@@ -36,26 +36,26 @@ RfResult rf_create_posed_tracer( const RfTracer* still, const RfScene* posed, Rf
 size_t rf_tracer_at_bytes( uint32_t lights ); // at least the triangles that emit, where some of them move, else 0
 const RfTracer* rf_tracer_at( const RfTracer* posed, float moment, void* memory );
 
-// Ghosts: what moves in a group of frames, at all of them together (src/reuse/estimators.md, section 18).
-typedef struct RfGhosts RfGhosts;
+// Swept geometry: what moves in a group of frames, at all of them together (src/reuse/estimators.md, section 18).
+typedef struct RfSwept RfSwept;
 
-// Those of `count` posed tracers, which must outlive them: a BVH, and nothing is copied. On failure *ghosts is NULL.
-RfResult rf_create_ghosts( int count, const RfTracer* const* posed, RfGhosts** ghosts, RfError* error );
-void rf_destroy_ghosts( RfGhosts* ghosts );
+// Those of `count` posed tracers, which must outlive them: a BVH, and nothing is copied. On failure *swept is NULL.
+RfResult rf_create_swept( int count, const RfTracer* const* posed, RfSwept** swept, RfError* error );
+void rf_destroy_swept( RfSwept* swept );
 // NULL: the tracer has none from now on.
-void rf_set_ghosts( RfTracer* posed, const RfGhosts* ghosts );
+void rf_set_swept( RfTracer* posed, const RfSwept* swept );
 
 // Gives a posed tracer its lights among those of a group of frames (light/changing.h), which must outlive it or other lights; NULL:
 // those of `still`.
 void rf_set_lights( RfTracer* posed, RfLights* lights );
 
 // Whether paths may hold in some frames of the group only.
-bool rf_tracer_has_ghosts( const RfTracer* tracer );
+bool rf_tracer_has_swept( const RfTracer* tracer );
 
-// Sets touched[i] to 1 for those of the rays o + t d, 0 < t < length, that meet a ghost, whatever its opacity; leaves the others.
+// Sets touched[i] to 1 for those of the rays o + t d, 0 < t < length, that meet swept geometry, whatever its opacity; leaves the others.
 // length: 1 for segments, infinity for rays.
-void rf_find_ghosts( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
-                     uint8_t* touched );
+void rf_find_swept( const RfTracer* tracer, int count, const float* const o[3], const float* const d[3], float length,
+                    uint8_t* touched );
 
 RfTracerRuns rf_tracer_runs( const RfTracer* tracer );
 

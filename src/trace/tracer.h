@@ -10,7 +10,7 @@
 #include "trace/occluders.h"
 #include "trace/trace.h"
 
-struct RfGhosts
+struct RfSwept
 {
     RTCScene embree_scene;
     float reach;   // as that of RfLights, in all frames of the group
@@ -21,8 +21,8 @@ struct RfTracer
 {
     RfTracerRecords known; // first member: rf_tracer_records
     const RfTracer* still; // with which all that stands still is shared, of the scene as it was loaded; NULL: this has it
-    float own_reach;       // as lights.reach, without ghosts
-    const RfGhosts* ghosts;
+    float own_reach;       // as lights.reach, without swept geometry
+    const RfSwept* swept;
     const RfScene* scene;
     float moment; // of rays, where the shutter is open: that of the scene
     RTCDevice device;

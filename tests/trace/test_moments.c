@@ -1,5 +1,5 @@
 // What moves while a shutter is open, between the moments at which it is posed: rays against the same triangles in doubles, the
-// records of what they hit, ghosts, and what is shown at some of the moments alone.
+// records of what they hit, swept geometry, and what is shown at some of the moments alone.
 #include "base/random.h"
 #include "render/worlds.h"
 #include "support/cli_run.h"
@@ -180,7 +180,7 @@ static void open_eyes( RfEye* eyes, int count, int steps )
     }
 }
 
-static bool meets_ghosts( const Truth* truths, int count, RfVec3 from, RfVec3 way )
+static bool meets_swept( const Truth* truths, int count, RfVec3 from, RfVec3 way )
 {
     bool any = false;
     for ( int k = 0; k < count; ++k )
@@ -193,7 +193,7 @@ static bool meets_ghosts( const Truth* truths, int count, RfVec3 from, RfVec3 wa
 }
 
 // Segments of 1 m.
-static int count_other_ghosts( const RfTracer* tracer, const Truth* truths, int count )
+static int count_other_swept( const RfTracer* tracer, const Truth* truths, int count )
 {
     int other = 0;
     for ( int i = 0; i < RAYS; ++i )
@@ -202,8 +202,8 @@ static int count_other_ghosts( const RfTracer* tracer, const Truth* truths, int 
         draw( i, &from, &way );
         const float *o[3] = { &from.x, &from.y, &from.z }, *d[3] = { &way.x, &way.y, &way.z };
         uint8_t touched = 0;
-        rf_find_ghosts( tracer, 1, o, d, 1.0f, &touched );
-        other += ( touched != 0 ) != meets_ghosts( truths, count, from, way );
+        rf_find_swept( tracer, 1, o, d, 1.0f, &touched );
+        other += ( touched != 0 ) != meets_swept( truths, count, from, way );
     }
     return other;
 }
@@ -219,7 +219,7 @@ static void check_room( const char* name, int steps )
     AUTO_BY( rf_destroy_worlds ) RfWorlds worlds;
     RfError error;
     Found found = { 0 };
-    int ghosts = 0;
+    int swept = 0;
     AUTO_FREE void* memory = aligned_alloc( 64, rf_tracer_at_bytes( 0 ) );
     open_eyes( room.eyes, FRAMES, steps );
     assert_int_equal( rf_create_worlds( &( RfShot ){ tracer, room.eyes, FRAMES, NULL, 0 }, FRAMES, false, &worlds, &error ),
@@ -235,15 +235,15 @@ static void check_room( const char* name, int steps )
         const RfTracer* at = rf_tracer_at( tracers[i % FRAMES], moment, memory );
         for ( int r = 0; r < RAYS; ++r )
             compare_ray( at, truths + i % FRAMES, r, &found );
-        ghosts += count_other_ghosts( at, truths, FRAMES );
+        swept += count_other_swept( at, truths, FRAMES );
         for ( int k = 0; k < FRAMES; ++k )
             free_truth( truths + k );
     }
-    printf( "%s, %d steps: %d of %d hits move, %d differ; hits by %.2g, corners by %.2g, normals by %.2g; %d ghosts differ\n",
-            name, steps, found.moving, RAYS * TIMES, found.other, found.distance, found.point, found.normal, ghosts );
+    printf( "%s, %d steps: %d of %d hits move, %d differ; hits by %.2g, corners by %.2g, normals by %.2g; %d swept differ\n",
+            name, steps, found.moving, RAYS * TIMES, found.other, found.distance, found.point, found.normal, swept );
     assert_true( found.moving > RAYS * TIMES / 40 );
     assert_true( found.other <= RAYS * TIMES / 1000 );
-    assert_true( ghosts <= RAYS * TIMES / 1000 );
+    assert_true( swept <= RAYS * TIMES / 1000 );
     assert_int_equal( found.hidden, 0 );
     assert_true( found.distance < 2e-5 );
     assert_true( found.point < 2e-6 );

@@ -656,5 +656,6 @@ void rf_render_extra( RfRenderer* r, const RfPass* pass )
         if ( live->frame != -1 && ( live->most_need > 0.0f || live->most_glints > 0.0f ) )
             render_frame_extra( r, pass, live );
     }
-    rf_frames_as_group( r, pass->group->first_frame, pass->group->eye_count, pass->group->number ); // with its ghosts again
+    rf_frames_as_group( r, pass->group->first_frame, pass->group->eye_count,
+                        pass->group->number ); // with its swept geometry again
 }

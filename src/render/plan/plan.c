@@ -148,7 +148,7 @@ static void count_row( Probe* p, int frame, int job, int pass, int row, int eyes
 static void count_frame( Probe* p, int i, const int* eyes, int rows, Counts* c )
 {
     int frame = probe_frame( p, i );
-    bool moves = p->worlds.count > 0; // then batches are traced again for each row, whose ghosts are made once
+    bool moves = p->worlds.count > 0; // then batches are traced again for each row, whose swept geometry is made once
     for ( int k = 0; k < PROBE_JOBS; ++k )
     {
         aim_probe( p, frame, 1 );

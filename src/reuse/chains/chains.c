@@ -521,7 +521,7 @@ static bool is_coat_behind_pane( const RfChains* chains, int slot, const RfVerte
 static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, const RfRayLanes* rays, const uint32_t* triangle,
                        int vertex, RfChains* chains )
 {
-    bool ghosts = rf_tracer_has_ghosts( path->tracer );
+    bool swept = rf_tracer_has_swept( path->tracer );
     RfVertexLanes* ends = &chains->ends;
     for ( int r = 0; r < rays->count; ++r )
         set_throughput( chains, rays->slot[r], RF_GET3( rays->throughput, r ) );
@@ -532,7 +532,7 @@ static void note_ends( const RfPathSettings* path, const RfVertexLanes* found, c
             int slot = found->slot[i];
             if ( is_last( path, chains, slot, vertex + 1 ) )
                 continue;
-            bool moving = ghosts && rf_is_moving( path->tracer, triangle[found->ray[i]] );
+            bool moving = swept && rf_is_moving( path->tracer, triangle[found->ray[i]] );
             if ( moving || is_coat_behind_pane( chains, slot, found, kind, i ) )
                 chains->view[slot] = RF_VIEW_CHAIN;
             chains->kind[ends->count] = (uint8_t)kind;

@@ -98,7 +98,7 @@ static inline bool rf_splits_light( const RfHarvest* harvest )
 {
     const RfLights* lights = rf_tracer_lights( harvest->path.tracer );
     return rf_calls_for( harvest->shape->own_light, RF_EFFECT_MOVING ) && !rf_shares_nothing( harvest ) &&
-           ( ( ( rf_tracer_has_ghosts( harvest->path.tracer ) || lights->any_own ) && !rf_looks_at_frames( harvest ) ) ||
+           ( ( ( rf_tracer_has_swept( harvest->path.tracer ) || lights->any_own ) && !rf_looks_at_frames( harvest ) ) ||
              ( lights->dimmed_count + lights->frame_count > 0 && harvest->shape->chains ) ); // light of chains has no parts
 }
 static inline bool rf_is_adaptive( const RfHarvest* harvest )

@@ -246,7 +246,7 @@ void rf_note_moving_hits( const RfTracer* tracer, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* v = &scratch->first;
     memset( scratch->own->moving, 0, sizeof scratch->own->moving );
-    for ( int i = 0; i < rf_record_count( v ) && rf_tracer_has_ghosts( tracer ); ++i )
+    for ( int i = 0; i < rf_record_count( v ) && rf_tracer_has_swept( tracer ); ++i )
         scratch->own->moving[v->slot[i]] = rf_is_moving( tracer, scratch->wavefront.scratch.triangle[v->ray[i]] );
 }
 
