@@ -1,4 +1,4 @@
-// What check-page.js looks for on a page besides playing: verdict, warnings, AOVs, wipe, zoom, probe, names for
+// What check-page.js looks for on a page besides playing: AOVs, wipe, zoom, probe, names for
 // screen readers, and a phone.
 "use strict";
 
@@ -7,22 +7,6 @@ const read_data = page => page.evaluate(() => JSON.parse(document.getElementById
 
 async function shown_frame(page, number) {
   await page.waitForFunction(number => document.querySelector("#panels canvas").dataset.frame === String(number), number, { timeout: 20000 });
-}
-
-async function check_verdict(page, check) {
-  const data = await read_data(page), text = await page.locator("#verdict-text").innerText();
-  check(text.includes(data.verdict.text) && (await page.locator("#verdict-basis").innerText()).length > 10, `the verdict stands on top: ${text}`);
-  const box = await page.locator("#verdict").boundingBox(), viewer = await page.locator("#viewer").boundingBox();
-  check(box.y + box.height <= viewer.y, "above the pictures");
-  if (data.verdict.worst_frame !== null) {
-    await page.locator("#verdict-text button").click();
-    await page.waitForFunction(number => window.reframePlayer.shown === number, data.frames.indexOf(data.verdict.worst_frame));
-    check(true, `it leads to the worst frame, ${data.verdict.worst_frame}`);
-    await page.locator("body").press("Home");
-  }
-  const lines = await page.locator("#warnings-list li").allInnerTexts();
-  check(lines.length === data.warnings.length && data.warnings.every(({ text }, i) => lines[i].includes(text)), `all ${lines.length} warnings are listed`);
-  check(await page.locator("#warnings").isVisible() === data.warnings.length > 0, "and shown where there are any");
 }
 
 async function check_aovs(page, check, look) {
@@ -268,4 +252,4 @@ async function check_phone(browser, url, check, picture) {
   await context.close();
 }
 
-module.exports = { check_verdict, check_aovs, check_mix, check_filmic, check_wipe, check_zoom, check_probe, check_mattes, check_names, check_schemes, check_phone };
+module.exports = { check_aovs, check_mix, check_filmic, check_wipe, check_zoom, check_probe, check_mattes, check_names, check_schemes, check_phone };

@@ -1,9 +1,9 @@
 // node check-page.js PAGE.html [--pictures FOLDER] [--seconds S] [--mean M] [--filmic M] [--probe X,Y:R,G,B]
-//                    [--mattes NAME@X,Y;...] [--coarse] [--error] [--quick]
+//                    [--mattes NAME@X,Y;...] [--coarse] [--quick]
 // Opens a page of `reframe report` in headless Chromium, from its file, and uses it
 // as a person would. --seconds: it loads faster; --mean: of the bytes of the first
 // picture, --filmic: by the filmic curve; --probe: scene values at a pixel of the first
-// sequence; --mattes: names there by CryptoObject; --coarse: the page has means of pixels; --error: it can show an error;
+// sequence; --mattes: names there by CryptoObject; --coarse: the page has means of pixels;
 // --quick: exposure and playing only; --pictures: leaves screenshots. Needs the npm package
 // playwright-core (where REFRAME_NODE_MODULES says) and Chromium (REFRAME_CHROMIUM, else
 // found). One line for each check; exit status 1 where one failed, 77 where there is no browser.
@@ -64,20 +64,6 @@ async function check_exposure(page) {
   await page.locator("#curve").selectOption("soft");
   await page.locator("#curve").selectOption("srgb");
   check((await look(page)).hash === before.hash, "curves go there and back");
-}
-
-// Where there is a reference: the error of the first panel, and the picture again.
-async function check_error_view(page) {
-  if (await page.locator("#view option[value=error]").count() === 0) {
-    check(!process.argv.includes("--error"), "there is nothing to compare with");
-    return;
-  }
-  const before = await look(page);
-  await page.locator("#view").selectOption("error");
-  const error = await look(page);
-  check(error.hash !== before.hash && Math.abs(error.mean - 128) < 40, `the error is about grey: ${error.mean.toFixed(1)}`);
-  await page.locator("#view").selectOption("picture");
-  check((await look(page)).hash === before.hash, "and the picture comes back");
 }
 
 async function check_seeking(page, count) {
@@ -164,10 +150,8 @@ async function run(browser) {
   if (pictures)
     await page.screenshot({ path: path.join(pictures, "page.png"), fullPage: true });
   await features.check_names(page, check);
-  await features.check_verdict(page, check);
   await check_exposure(page);
   await features.check_filmic(page, check, look, option("--filmic"));
-  await check_error_view(page);
   if (!quick) {
     await features.check_aovs(page, check, look);
     await features.check_mix(page, check, look);

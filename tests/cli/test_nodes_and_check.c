@@ -1,16 +1,8 @@
-// Renders on several machines as the program has them: render --check, and a report of what is not finished.
+// Renders on several machines as the program has them: render --check.
 #include "support/cli_run.h"
-#include "support/frame_files.h"
 #include "support/test.h"
 
 #define SHOT "$VASE --size 16x9 --spp 6 --group 1 --tile 1 --quiet "
-
-static const char* text_of( const json_t* json, const char* list, size_t i, const char* key )
-{
-    const char* text = json_string_value( json_object_get( json_array_get( json_object_get( json, list ), i ), key ) );
-    assert_non_null( text );
-    return text;
-}
 
 static int count_of( const json_t* json, const char* key ) { return (int)json_array_size( json_object_get( json, key ) ); }
 
@@ -68,62 +60,6 @@ TEST( test_damaged_frames_are_found_and_rendered_again )
         assert_int_equal( count_of( json, "warnings" ), 1 );
         json_decref( json );
         cli_expect( cli_run( "for f in whole/*; do cmp $f d/${f#*/} || exit 1; done" ), 0, NULL );
-    }
-}
-
-// A page has the others, and names what is damaged; where the pixels can be read, it shows them.
-TEST( test_a_report_names_damaged_frames )
-{
-    cli_expect( cli_run( "$R render " SHOT "--frames 1-4 --aov depth --compression none --parts each -o g/f.####.exr >told" ), 0,
-                NULL );
-    size_t size;
-    AUTO_FREE char* bytes = cli_read( "g/f.0003.exr", &size );
-    bytes[size - 5] ^= 1;
-    cli_write( "g/f.0003.exr", bytes, size );
-    cli_expect( cli_run( "truncate -s -20 g/f.0002.exr; $R report g -o g.html --quiet --json g.json" ), 0,
-                "warning: g: damaged: 2, 3: g/f.0002.exr: its pixels cannot be read" );
-    json_auto_t* json = cli_read_json( "g.json" );
-    const json_t* sequence = json_array_get( json_object_get( json, "sequences" ), 0 );
-    assert_int_equal( count_of( sequence, "damaged_frames" ), 2 );
-    assert_int_equal( number_of( sequence, "frames" ), 3 );
-    assert_non_null( strstr( text_of( json, "warnings", 0, "text" ), "damaged: 2, 3: " ) );
-}
-
-TEST( test_a_report_tells_unfinished_frames )
-{
-    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1-2 >told; mkdir p/slurm" ), 0, NULL );
-    cli_expect( cli_run( "$R render " SHOT "-o q/f.####.exr --frames 1-8 --check --nodes 2 --json p/slurm/job.json >told" ), 1,
-                "0 of 8" );
-    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 4 --json p/slurm/task-1-0.json >told" ), 0, NULL );
-    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 5 --json p/slurm/task-1-1.json >told" ), 0, NULL );
-    const CliResult* done = cli_run( "$R report p -o p.html --quiet --json p.json" );
-    cli_expect( done, 0, NULL );
-    assert_non_null( strstr( done->out, "p: 4 of 8 frames are finished, missing 3, 6-8" ) );
-    json_t* json = cli_read_json( "p.json" );
-    const json_t* progress = json_object_get( json_array_get( json_object_get( json, "sequences" ), 0 ), "progress" );
-    assert_int_equal( number_of( progress, "asked" ), 8 );
-    assert_int_equal( number_of( progress, "finished" ), 4 );
-    assert_string_equal( text_of( progress, "tasks", 1, "frames" ), "5-8" );
-    assert_string_equal( text_of( json, "warnings", 0, "text" ), "still rendering: 4 of 8 frames are finished, missing 3, 6-8" );
-    json_decref( json );
-    json = page_read_data( "p.html", 4 );
-    const json_t* sequence = page_sequence( json, 0 );
-    assert_string_equal( page_fact( sequence, "Progress", "Task 0: 1-4" ), "3 of 4" );
-    assert_string_equal( page_fact( sequence, "Cost", "Tasks" ), "2" );
-    json_decref( json );
-    cli_expect( cli_run( "rm p/*.exr; $R report p -o p2.html" ), 1, "none of its frames is finished yet" );
-    // ranges that nobody wrote
-    cli_expect( cli_run( "$R render " SHOT "-o p/f.####.exr --frames 1 >told" ), 0, NULL );
-    static const char* const s_bad[] = { "1-", "2-1", "1x0", "1-9999999999", "a", "1,,2", "" };
-    for ( size_t i = 0; i < sizeof s_bad / sizeof s_bad[0]; ++i )
-    {
-        char text[128];
-        snprintf( text, sizeof text, "{\"nodes\": {\"ranges\": [{\"frames\": \"%s\"}]}}", s_bad[i] );
-        cli_write( "p/slurm/job.json", text, strlen( text ) );
-        cli_expect( cli_run( "$R report p -o p3.html --overwrite --quiet --json p3.json >told" ), 0, NULL );
-        json = cli_read_json( "p3.json" );
-        assert_null( json_object_get( json_array_get( json_object_get( json, "sequences" ), 0 ), "progress" ) );
-        json_decref( json );
     }
 }
 

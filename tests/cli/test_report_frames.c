@@ -5,10 +5,10 @@
 #include "support/frame_files.h"
 #include "support/test.h"
 
-// The first warning of a page.
-static const char* warning_of( const json_t* data )
+// The missing frames of a sequence, as the page names them.
+static const char* missing_of( const json_t* data, size_t sequence )
 {
-    const char* text = json_string_value( json_object_get( json_array_get( json_object_get( data, "warnings" ), 0 ), "text" ) );
+    const char* text = page_fact( page_sequence( data, sequence ), "Picture", "Missing frames" );
     return text != NULL ? text : "";
 }
 
@@ -29,19 +29,17 @@ TEST( test_missing_frames_are_reported )
     page_check_item( a, "f1", 3, 0.5 );
     assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
     page_check_item( b, "f1", 4, 0.0 );
-    assert_string_equal( warning_of( data ), "frames are missing: 3, 6" );
-    const json_t* second = json_array_get( json_object_get( data, "warnings" ), 1 );
-    assert_string_equal( json_string_value( json_object_get( second, "text" ) ), "frames are missing: 1-3" );
-    assert_int_equal( json_integer_value( json_object_get( second, "sequence" ) ), 1 );
+    assert_string_equal( missing_of( data, 0 ), "3, 6" );
+    assert_string_equal( missing_of( data, 1 ), "1-3" );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m2.html --frames 2-4" ), 0, NULL );
     data = page_read_data( "m2.html", 2 );
     assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 2 );
-    assert_string_equal( warning_of( data ), "a frame is missing: 3" );
+    assert_string_equal( missing_of( data, 0 ), "3" );
     json_decref( data );
     cli_expect( cli_run( "$R report m/a -o m4.html --frames 1-2,4-5" ), 0, NULL );
     data = page_read_data( "m4.html", 4 );
-    assert_string_equal( warning_of( data ), "" ); // 3 is not asked for
+    assert_string_equal( missing_of( data, 0 ), "" ); // 3 is not asked for
     json_decref( data );
     // where the reference ends, the error does
     cli_expect( cli_run( "$R report m/b --reference m/a -o m3.html" ), 0, NULL );
@@ -72,7 +70,7 @@ TEST( test_files_of_other_programs )
     page_check_item( sequence, "bad", 0, 600.0 );
     assert_true( json_is_null( page_item( sequence, "f1", 1 ) ) );
     assert_null( page_fact( sequence, "Settings", "group" ) );
-    assert_non_null( strstr( warning_of( data ), "1200 pixels are NaN or infinite, in 2 frames from 7 on" ) );
+    page_check_item( sequence, "bad", 1, 600.0 );
 }
 
 // The regular step is the smallest that occurs.
@@ -85,14 +83,14 @@ TEST( test_holes_by_the_smallest_step )
     assert_int_equal( result->status, 0 );
     assert_non_null( strstr( result->out, "\"missing\": 2" ) );
     json_t* data = page_read_data( "g.html", 3 );
-    assert_string_equal( warning_of( data ), "frames are missing: 3, 4" );
+    assert_string_equal( missing_of( data, 0 ), "3, 4" );
     json_decref( data );
     page_make_folder( "h" );
     for ( int frame = 1; frame <= 9; frame += 2 )
         page_write_frames( "h/f.##.exr", frame, frame, 1.0f, 0.0f );
     cli_expect( cli_run( "$R report h -o h.html" ), 0, NULL );
     data = page_read_data( "h.html", 5 );
-    assert_string_equal( warning_of( data ), "" );
+    assert_string_equal( missing_of( data, 0 ), "" );
     json_decref( data );
 }
 
@@ -239,8 +237,7 @@ TEST( test_passes_have_room_or_are_named )
         { .names = { "depth.Z" }, .values = { 3 }, .width = 10, .height = 10, .part = "other window" },
     };
     write_parts( "u/f.1.exr", parts, 4 );
-    static const char* const lost[2] = { "passes that are not on this page: depth",
-                                         "passes that are not on this page: object_index, depth" };
+    static const char* const lost[2] = { "depth", "object_index, depth" };
     for ( int few = 0; few < 2; ++few )
     {
         cli_expect( cli_run( "$R report u -o u.html --overwrite --quiet %s", few ? "--passes 200" : "" ), 0, NULL );
@@ -251,8 +248,7 @@ TEST( test_passes_have_room_or_are_named )
         assert_string_equal( json_string_value( json_object_get( key, "name" ) ), "light_key" );
         assert_true( json_is_true( json_object_get( key, "group" ) ) && json_is_false( json_object_get( crypto, "group" ) ) );
         assert_string_equal( json_string_value( json_object_get( crypto, "look" ) ), "mattes" );
-        const json_t* warning = json_array_get( json_object_get( data, "warnings" ), 0 );
-        assert_string_equal( json_string_value( json_object_get( warning, "text" ) ), lost[few] );
+        assert_string_equal( page_fact( page_sequence( data, 0 ), "Picture", "Passes left out" ), lost[few] );
     }
 }
 

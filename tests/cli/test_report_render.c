@@ -1,5 +1,4 @@
-// What reframe report shows of a render: samples traced, and totals where earlier frames
-// were kept.
+// What reframe report shows of a render: samples traced, bounds of the error, frames that were kept.
 #include "support/cli_run.h"
 #include "support/frame_files.h"
 #include "support/test.h"
@@ -38,48 +37,28 @@ TEST( test_traced_samples )
 
 #define KEPT_JSON                                                                                                                \
     "{\"frames\":[{\"frame\":1,\"seconds\":null,\"native_spp\":2,\"relmse_estimate\":0.5,\"kept\":true},"                        \
-    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"effective_spp\":6,\"relmse_estimate\":0.25,\"kept\":%s}],\"seconds\":6,"      \
+    "{\"frame\":2,\"seconds\":3,\"native_spp\":4,\"effective_spp\":6,\"relmse_estimate\":0.25,\"kept\":false}],\"seconds\":6,"   \
     "\"peak_bytes\":0,"                                                                                                          \
     "\"rays\":{\"eye\":6},"                                                                                                      \
-    "\"kept_frames\":1,\"interrupted\":%s}"
+    "\"kept_frames\":1,\"interrupted\":false}"
 
-static json_t* report_kept( const char* second_kept, const char* interrupted )
-{
-    char text[1024];
-    snprintf( text, sizeof text, KEPT_JSON, second_kept, interrupted );
-    cli_write( "t/r.json", text, strlen( text ) );
-    cli_expect( cli_run( "$R report t -o t.html --overwrite" ), 0, NULL );
-    return page_read_data( "t.html", 2 );
-}
-
-// Totals are of the last run alone.
-TEST( test_totals_are_of_the_last_run )
+// Frames that were kept have their figures, but no seconds.
+TEST( test_kept_frames )
 {
     page_make_folder( "t" );
     page_write_frames( "t/f.####.exr", 1, 2, 1.0f, 0.0f );
     const RfExrString old = { "reframe/seconds", "77" };
     page_write_frame( "t/f.0001.exr", 40, 30, 1.0f, &old, 1 );
-    json_t* data = report_kept( "false", "false" );
+    cli_write( "t/r.json", KEPT_JSON, strlen( KEPT_JSON ) );
+    cli_expect( cli_run( "$R report t -o t.html --overwrite" ), 0, NULL );
+    json_auto_t* data = page_read_data( "t.html", 2 );
     const json_t* sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Cost", "Totals" ), "of 1 frame rendered last; 1 kept from before" );
-    assert_string_equal( page_fact( sequence, "Cost", "Time a frame" ), "6 s" );
+    assert_string_equal( page_fact( sequence, "Cost", "Time" ), "6 s" );
     assert_string_equal( page_fact( sequence, "Cost", "Samples a pixel" ), "2 to 4" );
     assert_string_equal( page_fact( sequence, "Cost", "Effective samples a pixel" ), "6" );
     page_check_item( sequence, "relmse", 0, 0.5 );
     assert_true( json_is_null( page_item( sequence, "seconds", 0 ) ) ); // no times in headers
     page_check_item( sequence, "seconds", 1, 3.0 );
-    json_decref( data );
-    data = report_kept( "false", "true" );
-    sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Cost", "Totals" ),
-                         "of 1 frame rendered last, then interrupted; 1 kept from before" );
-    assert_null( page_fact( sequence, "Cost", "Time a frame" ) ); // unfinished ones took of it
-    json_decref( data );
-    data = report_kept( "true", "false" );
-    sequence = page_sequence( data, 0 );
-    assert_string_equal( page_fact( sequence, "Cost", "Totals" ), "of 0 frames rendered last; 2 kept from before" );
-    assert_null( page_fact( sequence, "Cost", "Time a frame" ) );
-    json_decref( data );
 }
 
 // What render leaves.
@@ -90,12 +69,35 @@ TEST( test_render_output_as_it_is )
                          "&& $R report v -o v.html" ),
                 0, NULL );
     json_auto_t* data = page_read_data( "v.html", 4 );
-    assert_string_equal( page_fact( page_sequence( data, 0 ), "Cost", "Totals" ),
-                         "of 1 frame rendered last; 3 kept from before" );
     for ( size_t i = 0; i < 4; ++i )
         assert_true( json_is_number( page_item( page_sequence( data, 0 ), "seconds", i ) ) &&
                      json_is_number( page_item( page_sequence( data, 0 ), "relmse", i ) ) );
     assert_true( atof( samples_of( "v" ) ) >= 2.0 );
+}
+
+// Lower bounds of the error, by the JSON or by the header.
+TEST( test_lower_bounds_are_marked )
+{
+    static const char json[] = "{\"frames\":[{\"frame\":1,\"seconds\":2,\"relmse_estimate\":0.01},{\"frame\":2,\"seconds\":2,"
+                               "\"relmse_estimate\":0.03,\"relmse_is_lower_bound\":true}],\"seconds\":9,\"rays\":{}}";
+    const RfExrString strings[] = { { "reframe/relmse-estimate", "0.02" }, { "reframe/relmse-is-lower-bound", "yes" } };
+    page_make_folder( "tail" );
+    page_write_frames( "tail/f.####.exr", 1, 2, 1.0f, 0.0f );
+    cli_write( "tail/render.json", json, strlen( json ) );
+    page_make_folder( "head" );
+    page_write_frame( "head/f.exr", 20, 20, 1.0f, strings, 2 );
+    cli_expect( cli_run( "$R report tail head -o b.html" ), 0, NULL );
+    json_t* data = page_read_data( "b.html", 3 );
+    const json_t* sequence = page_sequence( data, 0 );
+    assert_true( json_is_false( page_item( sequence, "at_least", 0 ) ) && json_is_true( page_item( sequence, "at_least", 1 ) ) );
+    for ( size_t i = 0; i < 2; ++i )
+        assert_string_equal( page_fact( page_sequence( data, i ), "Error", "relMSE" ), "at least 0.02, 8.2 % noise, estimated" );
+    json_decref( data );
+    // against a reference the error is known
+    cli_expect( cli_run( "$R report tail --reference tail -o b.html --overwrite" ), 0, NULL );
+    data = page_read_data( "b.html", 4 );
+    assert_true( json_is_false( page_item( page_sequence( data, 0 ), "at_least", 1 ) ) );
+    json_decref( data );
 }
 
 SHARED_BY_TESTS( cli_enter_group, cli_leave_group )

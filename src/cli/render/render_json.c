@@ -2,9 +2,11 @@
 // clips; what moves in a scene.
 #include "cli/render/render_json.h"
 
+#include "base/file.h"
 #include "base/system.h"
 #include "base/words.h"
 #include "cli/messages.h"
+#include "cli/options/frame_lists.h"
 #include "cli/render/render_command.h"
 #include "image/colour.h"
 #include "image/sequence.h"
@@ -14,10 +16,13 @@
 #include "render/estimator.h"
 #include "render/sharing.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+#define MOST_JSON_BYTES ( (uint64_t)64 << 20 ) // of a file that is read
 
 #define MAX_NAME 4096
 
@@ -589,4 +594,58 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
                         rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ), "export_warnings",
                         rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ), "halo", "share",
                         job->halo.share, "group", job->halo.group, "saved", job->halo.saved );
+}
+
+static bool is_render_json( const json_t* json )
+{
+    return json_is_array( json_object_get( json, "frames" ) ) && json_is_object( json_object_get( json, "rays" ) ) &&
+           json_is_number( json_object_get( json, "seconds" ) );
+}
+
+static json_t* parse_json( const char* path, RfError* error )
+{
+    uint8_t* bytes;
+    size_t size;
+    if ( rf_read_file( path, MOST_JSON_BYTES, &bytes, &size, error ) != RF_OK )
+        return NULL;
+    json_error_t reason;
+    errno = 0;
+    json_t* json = json_loadb( (const char*)bytes, size, 0, &reason );
+    bool no_memory = errno == ENOMEM;
+    free( bytes );
+    if ( json == NULL && no_memory )
+        rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory: close other programs", path );
+    else if ( json == NULL )
+        rf_fail( error, RF_ERROR_FORMAT, "%s: line %d: %s", path, reason.line, reason.text );
+    return json;
+}
+
+RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error )
+{
+    RfError reason = { 0 };
+    json_t* loaded = parse_json( path, &reason );
+    if ( loaded == NULL )
+        return rf_fail( error, reason.code, "%s: %.900s", option, reason.text );
+    if ( !is_render_json( loaded ) )
+    {
+        json_decref( loaded );
+        return rf_fail( error, RF_ERROR_FORMAT, "%s: %s: is not what reframe render --json writes", option, path );
+    }
+    json_decref( *json );
+    *json = loaded;
+    return RF_OK;
+}
+
+RfResult rf_find_render_json( const char* folder, json_t** json, RfError* error )
+{
+    RfFolderList list;
+    RfResult result = rf_list_folder( folder, ".json", &list, error );
+    for ( int i = 0; i < list.count && result == RF_OK && *json == NULL; ++i )
+    {
+        char path[RF_FILE_NAME_SIZE];
+        if ( snprintf( path, sizeof path, "%s/%s", folder, list.names[i] ) < (int)sizeof path )
+            rf_load_render_json( path, "", json, NULL );
+    }
+    rf_free_folder_list( &list );
+    return result;
 }

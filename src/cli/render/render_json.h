@@ -59,4 +59,10 @@ json_t* rf_sum_clipped( const json_t* frames );
 // Warns of them, in the frames that were rendered and those that were kept.
 void rf_warn_of_clipped( RfRenderJob* job );
 
+// Loads the JSON of `render` from a file that must hold it and replaces *json. `option` begins the error line.
+RfResult rf_load_render_json( const char* path, const char* option, json_t** json, RfError* error );
+
+// Loads the first in a folder, by name; *json stays NULL where there is none. Files that are something else are ignored.
+RfResult rf_find_render_json( const char* folder, json_t** json, RfError* error );
+
 #endif

@@ -2,12 +2,14 @@
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
-#include "cli/report/report_facts.h"
+#include "cli/report/report_frames.h"
+#include "cli/render/render_json.h"
 #include "cli/signals.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,6 +18,202 @@
 
 #define COMMAND "report"
 #define HEAVY_BYTES 100000000 // pages from here on get a hint
+#define FACT_SIZE 240         // characters of a value; the rest is cut
+#define MOST_STRINGS 24       // attributes of other programs
+
+static void format_count( double count, char text[32] )
+{
+    static const char* const units[] = { "", " k", " M", " G", " T" };
+    int unit = 0;
+    while ( count >= 1000.0 && unit < 4 )
+    {
+        count /= 1000.0;
+        ++unit;
+    }
+    snprintf( text, 32, unit == 0 ? "%.0f%s" : "%.3g%s", count, units[unit] );
+}
+
+static void format_bytes( double bytes, char text[32] )
+{
+    char count[32];
+    format_count( bytes, count );
+    snprintf( text, 32, "%.20s%sB", count, strchr( count, ' ' ) != NULL ? "" : " " );
+}
+
+static void format_seconds( double seconds, char text[32] )
+{
+    double minutes = floor( seconds / 60.0 ), hours = floor( seconds / 3600.0 );
+    if ( seconds < 100.0 )
+        snprintf( text, 32, "%.3g s", seconds );
+    else if ( hours < 1.0 )
+        snprintf( text, 32, "%.0f min %.0f s", minutes, seconds - 60.0 * minutes );
+    else
+        snprintf( text, 32, "%.0f h %.0f min", hours, minutes - 60.0 * hours );
+}
+
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
+    __attribute__( ( format( printf, 4, 5 ) ) );
+static void add_fact( json_t* facts, const char* group, const char* label, const char* format, ... )
+{
+    char text[FACT_SIZE + sizeof "..."];
+    va_list arguments;
+    va_start( arguments, format );
+    int length = vsnprintf( text, FACT_SIZE + 1, format, arguments );
+    va_end( arguments );
+    if ( length > FACT_SIZE )
+        strcpy( text + FACT_SIZE, "..." );
+    json_array_append_new( facts, json_pack( "[o, o, o]", rf_json_text( group ), rf_json_text( label ), rf_json_text( text ) ) );
+}
+
+static void format_three( double value, char text[32] ) { snprintf( text, 32, "%.3g", value ); }
+
+typedef void Format( double value, char text[32] );
+
+// Appends a row with a number; none where it is not known.
+static void add_number( json_t* facts, const char* group, const char* label, double value, Format* format )
+{
+    char text[32];
+    if ( !isfinite( value ) )
+        return;
+    format( value, text );
+    add_fact( facts, group, label, "%s", text );
+}
+
+static void add_costs( json_t* facts, const json_t* render )
+{
+    double rays = 0.0;
+    const char* key;
+    json_t* value;
+    if ( render == NULL )
+        return;
+    json_object_foreach( json_object_get( render, "rays" ), key, value ) rays += json_number_value( value );
+    add_number( facts, "Cost", "Time", rf_json_number_of( render, "seconds" ), format_seconds );
+    add_number( facts, "Cost", "Threads", rf_json_number_of( render, "threads" ), format_count );
+    add_number( facts, "Cost", "Memory, peak", rf_json_number_of( render, "peak_bytes" ), format_bytes );
+    add_number( facts, "Cost", "Rays", rays > 0.0 ? rays : (double)NAN, format_count );
+}
+
+static void format_samples( double samples, char text[32] ) { snprintf( text, 32, samples < 1000.0 ? "%.4g" : "%.0f", samples ); }
+
+// "12 to 14.5", of what the frames have at an offset in RfPageFrame; nothing where no frame says.
+static void add_range( json_t* facts, const char* label, const RfPageTrack* track, size_t offset )
+{
+    double least = INFINITY, most = -INFINITY;
+    char parts[2][32];
+    for ( int i = 0; i < track->run->count; ++i )
+    {
+        const double* value = (const double*)( (const char*)( track->frames + i ) + offset );
+        least = fmin( least, *value ); // passes over NaN
+        most = fmax( most, *value );
+    }
+    format_samples( least, parts[0] );
+    format_samples( most, parts[1] );
+    bool same = strcmp( parts[0], parts[1] ) == 0;
+    if ( least <= most )
+        add_fact( facts, "Cost", label, "%s%s%s", parts[0], same ? "" : " to ", same ? "" : parts[1] );
+}
+
+static void add_picture( json_t* facts, const RfPageTrack* track )
+{
+    const RfExrHeader* header = &track->sequence.header;
+    RfExrWindow window = rf_page_window( header );
+    char text[96];
+    int shown = 0, first = 0, last = 0;
+    for ( int i = 0; i < track->run->count; ++i )
+    {
+        if ( !track->frames[i].shown )
+            continue;
+        first = shown++ == 0 ? track->run->numbers[i] : first;
+        last = track->run->numbers[i];
+    }
+    add_fact( facts, "Picture", "Frames", "%d, from %d to %d", shown, first, last );
+    int used = snprintf( text, sizeof text, "%d x %d", window.width, window.height );
+    if ( window.width != header->width || window.height != header->height )
+        used += snprintf( text + used, sizeof text - (size_t)used, ", with overscan %d x %d", header->width, header->height );
+    if ( track->picture_width != window.width )
+        snprintf( text + used, sizeof text - (size_t)used, ", shown as %d x %d", track->picture_width, track->picture_height );
+    add_fact( facts, "Picture", "Size", "%s", text );
+}
+
+// What is not on the page: frames that are not there, and passes that have no room or lie elsewhere.
+static void add_absent( json_t* facts, const RfPageTrack* track )
+{
+    char text[512];
+    const RfFilePasses* passes = &track->layers.passes;
+    RfFilePasses left_out = { passes->passes + track->layers.count, passes->count - track->layers.count, NULL };
+    rf_format_frames( track->missing, track->missing_count, text, 240 );
+    if ( track->missing_count > 0 )
+        add_fact( facts, "Picture", "Missing frames", "%s", text );
+    rf_name_passes( &left_out, text, sizeof text );
+    if ( left_out.count > 0 )
+        add_fact( facts, "Picture", "Passes left out", "%s", text );
+}
+
+static void add_error( json_t* facts, const RfPageTrack* track )
+{
+    const RfErrorMetrics* e = &track->error;
+    bool measured = track->has_error && isfinite( e->relmse ), at_least = false;
+    double relmse = measured ? e->relmse : track->estimate;
+    char noise[RF_NOISE_TEXT_SIZE];
+    for ( int i = 0; i < track->run->count; ++i )
+        at_least |= track->frames[i].at_least;
+    rf_format_noise( relmse, noise );
+    if ( isfinite( relmse ) )
+        add_fact( facts, "Error", "relMSE", "%s%.3g, %s noise%s", at_least ? "at least " : "", relmse, noise,
+                  measured ? "" : ", estimated" );
+    if ( measured )
+    {
+        bool relative = e->reference_mean > 0.0;
+        double scale = relative ? 100.0 / e->reference_mean : 1.0;
+        add_number( facts, "Error", "without the worst 0.1 %", e->relmse_trimmed, format_three );
+        add_fact( facts, "Error", "Mean error", "%+.2g%s (95 %%: %+.2g to %+.2g%s)", e->bias * scale, relative ? " %" : "",
+                  e->bias_low * scale, e->bias_high * scale, relative ? " %" : "" );
+    }
+    RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
+    add_number( facts, "Error", "Flicker: phi", track->flicker.pairs > 0 ? flicker.phi : (double)NAN, format_three );
+    add_number( facts, "Error", "Flicker: F1", track->flicker.pairs > 0 ? flicker.f1 : (double)NAN, format_three );
+}
+
+typedef struct Strings
+{
+    json_t* facts;
+    int count;
+} Strings;
+
+// An attribute of the first file, unless it is of that frame alone, or of the part.
+static void take_string( void* user, const char* name, const char* value )
+{
+    static const char own[] = "reframe/";
+    static const char left_out[] =
+        " type name reframe/frame reframe/frames reframe/shot reframe/step reframe/effects reframe/calls-for reframe/fingerprint "
+        "reframe/checksum reframe/relmse-estimate reframe/relmse-is-lower-bound reframe/relmse-likely reframe/worst-ten-share "
+        "reframe/flicker-estimate reframe/flicker-is-lower-bound reframe/flicker-likely reframe/flicker-worst-ten-share "
+        "reframe/reached reframe/native-spp reframe/effective-spp reframe/clipped-pixels ";
+    Strings* strings = user;
+    bool is_own = strncmp( name, own, sizeof own - 1 ) == 0;
+    char word[64];
+    if ( snprintf( word, sizeof word, " %s ", name ) < (int)sizeof word && strstr( left_out, word ) != NULL )
+        return;
+    if ( is_own )
+        add_fact( strings->facts, "Settings", name + sizeof own - 1, "%s", value );
+    else if ( strings->count++ < MOST_STRINGS )
+        add_fact( strings->facts, "Header", name, "%s", value );
+}
+
+static json_t* facts_json( const RfPageTrack* track )
+{
+    const RfPageSequence* sequence = &track->sequence;
+    Strings strings = { .facts = json_array() };
+    add_picture( strings.facts, track );
+    add_absent( strings.facts, track );
+    add_fact( strings.facts, "Picture", "Files", "%s", sequence->input.pattern );
+    add_error( strings.facts, track );
+    add_costs( strings.facts, sequence->render );
+    add_range( strings.facts, "Samples a pixel", track, offsetof( RfPageFrame, samples ) );
+    add_range( strings.facts, "Effective samples a pixel", track, offsetof( RfPageFrame, effective ) );
+    rf_list_exr_strings( sequence->first, take_string, &strings, NULL );
+    return strings.facts;
+}
 
 // Appends to the list of each key what a sequence has of a frame.
 static void add_frame_json( json_t* object, const RfPageTrack* track, int i )
@@ -47,31 +245,10 @@ static json_t* track_json( const RfPageTrack* track )
                    "path", rf_json_text( track->sequence.input.pattern ), "reference", track->sequence.is_reference, "width",
                    track->picture_width, "height", track->picture_height, "file_width", window.width, "file_height",
                    window.height, "layers", rf_page_layers_json( &track->layers ), "mixes", rf_has_page_mix( &track->layers ),
-                   "value_factor", track->value_factor, "facts", rf_page_facts_json( track ) );
+                   "value_factor", track->value_factor, "facts", facts_json( track ) );
     for ( int i = 0; i < track->run->count; ++i )
         add_frame_json( object, track, i );
     return object;
-}
-
-// What the curves are of.
-static json_t* notes_json( const RfPageRun* report )
-{
-    bool compensated = false, still = false, variance = false;
-    for ( int i = 0; i < report->track_count; ++i )
-    {
-        compensated |= report->tracks[i].compensated;
-        still |= !report->tracks[i].compensated;
-        variance |= report->tracks[i].has_variance;
-    }
-    if ( report->reference != NULL )
-        return json_pack( "{s:s, s:s, s:s}", "relmse", "Against the reference", "phi",
-                          "1: independent noise in each frame, 0: a frozen error", "f1",
-                          "How much the error changes from the frame before, root mean square" );
-    return json_pack( "{s:s, s:s, s:s}", "relmse", "Estimated by the renderer, without a reference", "phi",
-                      variance ? "The change over the variance layers; moving edges and highlights count too" : "", "f1",
-                      compensated && still ? "Change from the frame before, along the motion layers where there are any"
-                      : compensated        ? "Change from the frame before along the motion layers"
-                                           : "Change from the frame before: what moves counts too (no motion layers)" );
 }
 
 // NULL where memory ran out.
@@ -91,10 +268,9 @@ static json_t* page_data_json( const RfPageRun* report, const char* title )
     snprintf( subtitle, sizeof subtitle, "%d frame%s of %dx%d pixels", report->count, report->count == 1 ? "" : "s", window.width,
               window.height );
     snprintf( view, sizeof view, "%s%s%s", shown->transform, has_look ? ", " : "", has_look ? shown->look : "" );
-    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o, s:o, s:o, s:o}", "title", rf_json_text( title ), "subtitle", subtitle,
-                      "fps", fps, "exposure", shown->exposure, "frames", rf_json_frames( report->numbers, report->count ),
-                      "sequences", tracks, "notes", notes_json( report ), "verdict", rf_page_verdict_json( report ), "view",
-                      rf_json_text( view ), "warnings", rf_page_warnings_json( report ) );
+    return json_pack( "{s:o, s:s, s:f, s:f, s:o, s:o, s:o}", "title", rf_json_text( title ), "subtitle", subtitle, "fps", fps,
+                      "exposure", shown->exposure, "frames", rf_json_frames( report->numbers, report->count ), "sequences",
+                      tracks, "view", rf_json_text( view ) );
 }
 
 // What `report --json` writes of a sequence.
@@ -102,34 +278,26 @@ static json_t* track_result_json( const RfPageTrack* track )
 {
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     bool has_flicker = track->flicker.pairs > 0;
-    json_t* missing = rf_page_missing_json( track );
     int shown = 0;
     for ( int k = 0; k < track->run->count; ++k )
         shown += track->frames[k].shown;
-    json_t* json = json_pack(
-        "{s:o, s:o, s:o, s:b, s:i, s:i, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "damaged_frames", rf_page_damaged_json( track ),
-        "name", rf_json_text( track->sequence.name ), "files", rf_json_text( track->sequence.input.pattern ), "reference",
-        track->sequence.is_reference, "frames", shown, "missing", (int)json_array_size( missing ), "missing_frames", missing,
-        "picture_bytes", (json_int_t)track->picture_bytes, "value_bytes", (json_int_t)track->value_bytes, "aov_bytes",
-        (json_int_t)track->layer_bytes, "relmse", rf_json_number( track->has_error ? track->error.relmse : (double)NAN ),
-        "relmse_estimate", rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : (double)NAN ),
-        "phi", rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
-    if ( track->sequence.progress != NULL )
-        json_object_set( json, "progress", track->sequence.progress );
-    return json;
+    return json_pack( "{s:o, s:o, s:b, s:i, s:i, s:o, s:I, s:I, s:I, s:o, s:o, s:o, s:o}", "name",
+                      rf_json_text( track->sequence.name ), "files", rf_json_text( track->sequence.input.pattern ), "reference",
+                      track->sequence.is_reference, "frames", shown, "missing", track->missing_count, "missing_frames",
+                      rf_json_frames( track->missing, track->missing_count ), "picture_bytes", (json_int_t)track->picture_bytes,
+                      "value_bytes", (json_int_t)track->value_bytes, "aov_bytes", (json_int_t)track->layer_bytes, "relmse",
+                      rf_json_number( track->has_error ? track->error.relmse : (double)NAN ), "relmse_estimate",
+                      rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : (double)NAN ), "phi",
+                      rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
 }
 
 static json_t* page_result_json( const RfPageRun* report, uint64_t bytes )
 {
-    json_t *tracks = json_array(), *verdict = rf_page_verdict_json( report );
+    json_t* tracks = json_array();
     for ( int i = 0; i < report->track_count; ++i )
         json_array_append_new( tracks, track_result_json( report->tracks + i ) );
-    json_t* json =
-        json_pack( "{s:o, s:I, s:i, s:o, s:O, s:O, s:o}", "output", rf_json_text( report->output ), "bytes", (json_int_t)bytes,
-                   "frames", report->count, "sequences", tracks, "verdict", json_object_get( verdict, "text" ), "worst_frame",
-                   json_object_get( verdict, "worst_frame" ), "warnings", rf_page_warnings_json( report ) );
-    json_decref( verdict );
-    return json;
+    return json_pack( "{s:o, s:I, s:i, s:o}", "output", rf_json_text( report->output ), "bytes", (json_int_t)bytes, "frames",
+                      report->count, "sequences", tracks );
 }
 
 static RfResult open_sequence( RfPageRun* report, const char* place, const char* layer, RfError* error )
@@ -364,19 +532,11 @@ static RfResult write_page( RfPageRun* report, uint64_t* bytes, RfError* error )
 
 static RfResult report_result( const RfPageRun* report, uint64_t bytes, RfError* error )
 {
-    char weight[32], text[RF_DAMAGE_SIZE];
-    bool prints = rf_prints_text( report->json );
+    char weight[32];
     RfLog log = rf_stderr_log( COMMAND );
-    rf_format_bytes( (double)bytes, weight );
-    if ( prints )
+    format_bytes( (double)bytes, weight );
+    if ( rf_prints_text( report->json ) )
         rf_print( "%s: %d frame%s, %s\n", report->output, report->count, report->count == 1 ? "" : "s", weight );
-    for ( int i = 0; i < report->track_count; ++i )
-    {
-        if ( prints && rf_format_unfinished( report->tracks[i].sequence.progress, text ) )
-            rf_print( "%s: %s\n", report->tracks[i].sequence.name, text );
-        if ( rf_format_damage( report->tracks + i, text ) )
-            rf_warn( &log, "%.256s: %s", report->tracks[i].sequence.name, text );
-    }
     if ( bytes > HEAVY_BYTES && !report->quiet )
         rf_warn( &log, "%s: %s is slow to open in a browser: --width makes the pictures smaller, --frames selects some",
                  report->output, weight );
@@ -436,7 +596,7 @@ int rf_command_report( int argc, char** argv )
     const RfCommandTable table = {
         .command = COMMAND,
         .summary =
-            "Writes one HTML page of rendered sequences: a verdict, playback at any exposure, side by side or wiped, a pixel "
+            "Writes one HTML page of rendered sequences: playback at any exposure, side by side or wiped, a pixel "
             "probe, passes, curves, settings. Each DIR is a folder of EXR files, or a sequence named with ####. 48 frames at "
             "960x540 take about 10 MB of pictures per sequence, at most 40 MB, and --values for the probe and --passes for the "
             "passes of the files.",

@@ -1,12 +1,15 @@
-// Adds the frames of a sequence to the page: pictures, passes, values for the probe, error and flicker.
+// Finds the sequences of a report, and adds their frames to the page: pictures, passes, values for the probe, error and flicker.
 #include "cli/report/report_frames.h"
 
 #include "cli/messages.h"
 #include "cli/render/progress.h"
+#include "cli/render/render_json.h"
 #include "cli/signals.h"
 #include "image/exr.h"
+#include "image/sequence.h"
 #include "measure/flicker_sequence.h"
 
+#include <libgen.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,6 +21,65 @@
 
 #define MOST_NAMES 65535 // of a Cryptomatte, for 16 bits
 #define READ_CHANNELS 24 // at once: a file is decompressed as a whole, but all passes of large frames take much memory
+
+static RfResult find_frames( const char* place, RfPageSequence* sequence, RfError* error )
+{
+    RfSequenceInput* input = &sequence->input;
+    RfResult result = rf_find_sequence_input( place, NULL, input, error );
+    if ( result != RF_OK || input->is_sequence )
+        return result;
+    input->frames = malloc( sizeof( int ) );
+    if ( input->frames == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory", place );
+    input->frames[0] = input->count = 1;
+    return RF_OK;
+}
+
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error )
+{
+    char copy[RF_FILE_NAME_SIZE]; // which basename and dirname may change
+    *sequence = ( RfPageSequence ){ .layer = layer };
+    snprintf( copy, sizeof copy, "%s", place );
+    snprintf( sequence->name, sizeof sequence->name, "%.255s", basename( copy ) );
+    RfResult result = find_frames( place, sequence, error );
+    if ( result == RF_OK )
+        result = rf_sequence_input_name( &sequence->input, sequence->input.frames[0], sequence->first, error );
+    if ( result == RF_OK )
+        sequence->layer = rf_layer_of_file( sequence->first, layer, sequence->layer_text );
+    if ( result == RF_OK )
+        result = rf_read_exr_header( sequence->first, sequence->layer, &sequence->header, error );
+    snprintf( copy, sizeof copy, "%s", sequence->input.pattern );
+    if ( result == RF_OK )
+        result = rf_find_render_json( dirname( copy ), &sequence->render, error );
+    return result;
+}
+
+static void close_sequence( RfPageSequence* sequence )
+{
+    rf_free_sequence_input( &sequence->input );
+    rf_destroy_exr_header( &sequence->header );
+    json_decref( sequence->render );
+    *sequence = ( RfPageSequence ){ 0 };
+}
+
+bool rf_has_page_frame( const RfPageSequence* sequence, int frame )
+{
+    const RfSequenceInput* input = &sequence->input;
+    return bsearch( &frame, input->frames, (size_t)input->count, sizeof( int ), rf_compare_frames ) != NULL;
+}
+
+static int64_t at_least( int64_t a, int64_t b ) { return a > b ? a : b; }
+static int64_t at_most( int64_t a, int64_t b ) { return a < b ? a : b; }
+
+RfExrWindow rf_page_window( const RfExrHeader* header )
+{
+    int64_t left = at_least( header->x, header->display_x ), top = at_least( header->y, header->display_y );
+    int64_t right = at_most( (int64_t)header->x + header->width, (int64_t)header->display_x + header->display_width );
+    int64_t bottom = at_most( (int64_t)header->y + header->height, (int64_t)header->display_y + header->display_height );
+    if ( left >= right || top >= bottom )
+        return ( RfExrWindow ){ 0, 0, header->width, header->height };
+    return ( RfExrWindow ){ (int)( left - header->x ), (int)( top - header->y ), (int)( right - left ), (int)( bottom - top ) };
+}
 
 static bool is_at_picture( const RfExrWindow* w, const RfExrHeader* header )
 {
@@ -363,7 +425,6 @@ static void find_layers( Work* work )
     layers->colour = sequence->layer;
     layers->may_lack = true;
     track->compensated = layers->motion[0] != NULL;
-    track->has_variance = layers->variance[0] != NULL;
 }
 
 static size_t count_bad( const RfImage* image )
@@ -399,8 +460,7 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
     } numbers[] = { { "relmse_estimate", "reframe/relmse-estimate", &figures->relmse },
                     { "seconds", NULL, &figures->seconds },
                     { "native_spp", "reframe/native-spp", &figures->samples },
-                    { "effective_spp", "reframe/effective-spp", &figures->effective },
-                    { "worst_ten_share", "reframe/worst-ten-share", &figures->worst_ten_share } };
+                    { "effective_spp", "reframe/effective-spp", &figures->effective } };
     size_t i;
     char text[8];
     const json_t *row, *said = NULL;
@@ -418,9 +478,6 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
     figures->at_least =
         json_is_true( json_object_get( said, "relmse_is_lower_bound" ) ) ||
         ( rf_read_exr_string( path, "reframe/relmse-is-lower-bound", text, sizeof text, NULL ) == RF_OK && text[0] == 'y' );
-    double clipped = rf_read_exr_number( path, "reframe/clipped-pixels" );
-    if ( isgreater( clipped, (double)figures->clipped ) && clipped < 1e15 )
-        figures->clipped = (size_t)clipped;
 }
 
 // The pair of this frame and the one before, if both are there and have the layers.
@@ -443,34 +500,14 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
     return RF_OK;
 }
 
-// Reads all of a file. Where that is not possible, *readable is false: the page goes on without it.
-static RfResult find_damage( RfPageTrack* track, RfPageFrame* figures, const char* path, bool* readable, RfError* error )
-{
-    RfError reason = { 0 };
-    bool same;
-    RfResult whole = rf_verify_exr( path, &same, &reason );
-    *readable = whole == RF_OK || whole == RF_ERROR_UNSUPPORTED; // of which the rest is shown
-    figures->damaged = !*readable || !same;
-    if ( whole == RF_ERROR_MEMORY )
-        return rf_fail( error, whole, "%s", reason.text );
-    if ( figures->damaged && track->damage[0] == '\0' )
-        snprintf( track->damage, sizeof track->damage, "%.511s", reason.text );
-    return RF_OK;
-}
-
-// Reads the frame of the reference; one that is damaged is none, and named where the reference is shown.
 static RfResult read_reference( const RfPageTrack* track, int number, RfImage* image, RfError* error )
 {
     char path[RF_FILE_NAME_SIZE];
-    bool same;
     RfResult result = rf_sequence_input_name( &track->reference->sequence.input, number, path, error );
     if ( result != RF_OK )
         return result;
-    result =
-        rf_read_aligned( path, track->reference->sequence.layer, &track->sequence.header, track->sequence.first, image, error );
-    if ( result != RF_OK && result != RF_ERROR_MEMORY && rf_verify_exr( path, &same, NULL ) != RF_OK )
-        return RF_OK;
-    return result;
+    return rf_read_aligned( path, track->reference->sequence.layer, &track->sequence.header, track->sequence.first, image,
+                            error );
 }
 
 static RfResult add_frame( Work* work, int i, RfError* error )
@@ -485,12 +522,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     work->has_frame[i % 2] = false;
     if ( !rf_has_page_frame( &track->sequence, number ) )
         return RF_OK;
-    bool readable = true;
     RfResult result = rf_sequence_input_name( &track->sequence.input, number, path, error );
-    if ( result == RF_OK )
-        result = find_damage( track, figures, path, &readable, error );
-    if ( !readable )
-        return result;
     if ( result == RF_OK )
         result = rf_read_flicker_frame( path, &work->layers, &track->sequence.header, track->sequence.first, frame, error );
     if ( result == RF_OK )
@@ -499,13 +531,12 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         return result;
     figures->shown = true;
     figures->bad = count_bad( &frame->signal );
-    figures->clipped = frame->clipped;
     frame->number = number;
     frame->is_finite = figures->bad == 0;
     take_said( &track->sequence, number, path, figures );
     if ( track->reference != NULL || track->sequence.is_reference ) // an estimate would not belong there
     {
-        figures->relmse = figures->worst_ten_share = NAN;
+        figures->relmse = NAN;
         figures->at_least = false;
     }
     RfImage reference = { 0 };
@@ -544,20 +575,34 @@ static bool go_on( RfPageRun* run )
     return !rf_is_interrupted();
 }
 
+// Those of the page's frames, and of the holes between them, that the sequence lacks, ascending.
+static void list_missing( RfPageTrack* track )
+{
+    const RfPageRun* all = track->run;
+    for ( int i = 0, k = 0; i < all->count || k < all->hole_count; )
+    {
+        bool is_hole = i == all->count || ( k < all->hole_count && all->holes[k] < all->numbers[i] );
+        int number = is_hole ? all->holes[k++] : all->numbers[i++];
+        if ( !rf_has_page_frame( &track->sequence, number ) )
+            track->missing[track->missing_count++] = number;
+    }
+}
+
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
 {
     RfPageRun* all = track->run;
     RfExrWindow window = rf_page_window( &track->sequence.header );
     Work work = { .page = page, .track = track };
     track->frames = malloc( (size_t)all->count * sizeof( RfPageFrame ) );
-    if ( track->frames == NULL )
+    track->missing = malloc( (size_t)( all->count + all->hole_count ) * sizeof( int ) );
+    if ( track->frames == NULL || track->missing == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for %d frames", track->sequence.input.pattern, all->count );
     for ( int i = 0; i < all->count; ++i )
-        track->frames[i] = ( RfPageFrame ){
-            .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN, .worst_ten_share = NAN
-        };
+        track->frames[i] =
+            ( RfPageFrame ){ .relmse = NAN, .seconds = NAN, .samples = NAN, .effective = NAN, .phi = NAN, .f1 = NAN };
     track->value_factor =
         rf_values_factor( window.width, window.height, (double)all->values / all->track_count / all->count - BLOCK_BYTES );
+    list_missing( track );
     find_layers( &work );
     RfResult result = find_page_layers( &work, error );
     for ( int i = 0; i < all->count && result == RF_OK; ++i )
@@ -566,8 +611,6 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
         if ( result == RF_OK && track->frames[i].shown && !go_on( all ) )
             result = rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: no page is written" );
     }
-    if ( result == RF_OK && track->picture_width == 0 && track->damage[0] != '\0' )
-        result = rf_fail( error, RF_ERROR_FORMAT, "%s", track->damage );
     if ( result == RF_OK )
         sum_up( &work );
     rf_destroy_flicker_frame( work.ring );
@@ -576,44 +619,10 @@ RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error )
     return result;
 }
 
-json_t* rf_page_missing_json( const RfPageTrack* track )
-{
-    const RfPageRun* all = track->run;
-    json_t* list = json_array();
-    for ( int i = 0, k = 0; i < all->count || k < all->hole_count; )
-    {
-        bool is_hole = i == all->count || ( k < all->hole_count && all->holes[k] < all->numbers[i] );
-        int number = is_hole ? all->holes[k++] : all->numbers[i++];
-        if ( !rf_has_page_frame( &track->sequence, number ) )
-            json_array_append_new( list, json_integer( number ) );
-    }
-    return list;
-}
-
-json_t* rf_page_damaged_json( const RfPageTrack* track )
-{
-    json_t* list = json_array();
-    for ( int i = 0; i < track->run->count; ++i )
-    {
-        if ( track->frames[i].damaged )
-            json_array_append_new( list, json_integer( track->run->numbers[i] ) );
-    }
-    return list;
-}
-
-bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] )
-{
-    char frames[240];
-    json_t* list = rf_page_damaged_json( track );
-    rf_format_numbers( list, frames, sizeof frames );
-    json_decref( list );
-    snprintf( text, RF_DAMAGE_SIZE, "damaged: %s: %s", frames, track->damage );
-    return track->damage[0] != '\0';
-}
-
 void rf_free_page_track( RfPageTrack* track )
 {
     free_page_layers( &track->layers );
     free( track->frames );
-    rf_close_page_sequence( &track->sequence );
+    free( track->missing );
+    close_sequence( &track->sequence );
 }

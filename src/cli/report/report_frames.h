@@ -1,4 +1,5 @@
-// Adds the frames of a sequence to the page: pictures, passes, values for the probe, error and flicker.
+// The sequences of `reframe report`, folders or patterns, and their frames on the page: pictures, passes, values for the probe, error
+// and flicker.
 //
 // The blocks of a frame on the page:
 //   s<track>-<number>          the picture, see page/picture.h
@@ -9,14 +10,27 @@
 #ifndef REFRAME_CLI_REPORT_REPORT_FRAMES_H
 #define REFRAME_CLI_REPORT_REPORT_FRAMES_H
 
-#include "cli/report/report_input.h"
+#include "cli/options/frame_lists.h"
 #include "cli/view/view.h"
+#include "image/exr.h"
 #include "measure/flicker.h"
 #include "measure/image_error.h"
 #include "page/page.h"
 #include "page/pass_groups.h"
 
 #include <jansson.h>
+
+typedef struct RfPageSequence
+{
+    char name[256];    // for people: the folder's name
+    const char* layer; // as of rf_read_exr_layer; NULL: the colour
+    char layer_text[RF_PASS_LAYER_SIZE];
+    RfSequenceInput input;         // of a single file the frame 1
+    char first[RF_FILE_NAME_SIZE]; // the file of its first frame
+    bool is_reference;
+    RfExrHeader header; // of the first file
+    json_t* render;     // of `render --json`, or NULL
+} RfPageSequence;
 
 typedef struct RfPageLayers
 {
@@ -32,17 +46,14 @@ typedef struct RfPageLayers
 // Figures of a frame of the page; NaN: not known.
 typedef struct RfPageFrame
 {
-    bool shown;             // its picture is in the page
-    bool has_layers;        // and those of its passes
-    bool damaged;           // its file is not whole; it may be shown, where its pixels can be read
-    double relmse;          // against the reference, or an estimate
-    bool at_least;          // the estimate is a lower bound only
-    double worst_ten_share; // of the estimate: what the ten worst pixels carry
+    bool shown;      // its picture is in the page
+    bool has_layers; // and those of its passes
+    double relmse;   // against the reference, or an estimate
+    bool at_least;   // the estimate is a lower bound only
     double seconds;
     double samples, effective; // traced per pixel; landed in a pixel
     double phi, f1;            // of this frame and the one before
     size_t bad;                // pixels with NaN or infinity
-    size_t clipped;            // pixels at the end of the range of the file's channels, or beyond as its header says
 } RfPageFrame;
 
 // A sequence of the page.
@@ -55,12 +66,13 @@ typedef struct RfPageTrack
 
     RfPageLayers layers;
     RfPageFrame* frames; // of the page
-    char damage[512];    // what is wrong with the first of those that are damaged
+    int* missing;        // numbers of its frames, and of the holes between them, that the sequence lacks, ascending
+    int missing_count;
     int picture_width, picture_height;
     int value_factor;                  // scene values are means of boxes of so many pixels; 0: none
     uint64_t picture_bytes;            // before base64
     uint64_t value_bytes, layer_bytes; // of the page
-    bool compensated, has_variance;    // of the flicker without reference
+    bool compensated;                  // of the flicker without reference: along the motion
     RfFlickerSums flicker;
     RfErrorMetrics error; // of all frames, against the reference
     bool has_error;
@@ -99,6 +111,16 @@ typedef struct RfPageRun
     char own_title[1024]; // where none is given
 } RfPageRun;
 
+// Finds the only sequence of a folder, or the one that `place` names by #### or as a single file, and the JSON of `render` in its
+// folder. rf_free_page_track in any case.
+RfResult rf_open_page_sequence( const char* place, const char* layer, RfPageSequence* sequence, RfError* error );
+
+// Is the frame there?
+bool rf_has_page_frame( const RfPageSequence* sequence, int frame );
+
+// What the page shows of the data window, in its pixels: what lies in the display window, without overscan; all where nothing does.
+RfExrWindow rf_page_window( const RfExrHeader* header );
+
 // Adds the frames that an open sequence has to the page. rf_free_page_track in any case.
 RfResult rf_add_page_track( RfPage* page, RfPageTrack* track, RfError* error );
 void rf_free_page_track( RfPageTrack* track );
@@ -111,14 +133,5 @@ json_t* rf_page_layers_json( const RfPageLayers* layers );
 
 // Whether there are light groups, all of them on the page: their sum is the picture.
 bool rf_has_page_mix( const RfPageLayers* layers );
-
-// The numbers of the frames of the page, and of the holes between them, that the sequence lacks, ascending, and of those whose files
-// are not whole.
-json_t* rf_page_missing_json( const RfPageTrack* track );
-json_t* rf_page_damaged_json( const RfPageTrack* track );
-
-// The damaged ones as a line, with what is wrong with the first; false where there are none.
-#define RF_DAMAGE_SIZE 800
-bool rf_format_damage( const RfPageTrack* track, char text[RF_DAMAGE_SIZE] );
 
 #endif

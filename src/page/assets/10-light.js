@@ -194,18 +194,4 @@ class Painter {
     const from = 3 * (y * this.width + x);
     return [0, 1, 2].map(c => s_lightOfLevel[this.levels[from + c] + HALF_TABLE]);
   }
-
-  // Relative difference to another image of the same size: grey where they are equal,
-  // brighter where this one is brighter.
-  paintError(reference, exposure) {
-    const { levels, pixels } = this, others = reference.levels, gain = 127 * Math.pow(2, exposure);
-    const shade = i => {
-      const light = s_lightOfLevel[others[i] + HALF_TABLE];
-      const value = 128 + gain * (s_lightOfLevel[levels[i] + HALF_TABLE] - light) / (light + 0.02);
-      return value < 0 ? 0 : value > 255 ? 255 : value | 0;
-    };
-    for (let i = 0, from = 0; i < pixels.length; ++i, from += 3)
-      pixels[i] = 0xff000000 | shade(from + 2) << 16 | shade(from + 1) << 8 | shade(from);
-    this.context.putImageData(this.image, 0, 0);
-  }
 }

@@ -4,7 +4,7 @@ const AHEAD = 10;                  // frames decoded ahead, if they are small en
 const CACHE_BYTES = 600 * 2 ** 20; // of decoded frames
 
 class Player {
-  // `panels`: { painter, sequence, isReference, source( view, index ), onFrame( index, source ) }; the source of a frame is null or
+  // `panels`: { painter, sequence, source( view, index ), onFrame( index, source ) }; the source of a frame is null or
   // { ids, layer, groups } of what is shown. `onChange()` follows each change of frame or setting.
   constructor(panels, count, fps, exposure, onChange) {
     Object.assign(this, { panels, count, fps, exposure, onChange, index: 0, shown: -1, turn: 0, playing: false });
@@ -75,27 +75,14 @@ class Player {
   paint() {
     const tone = this.isData() ? new Tone(0, "srgb", null) : new Tone(this.exposure, this.curve, this.cube);
     this.panels.forEach((panel, i) => {
-      const source = this.sources && this.sources[i], reference = this.reference();
+      const source = this.sources && this.sources[i];
       if (!source)
         return;
       if (source.groups)
         panel.painter.mix(source.groups.map(name => this.factorOf(name)));
-      if (this.view === "error" && this.canShowError(panel) && this.sources[this.panels.indexOf(reference)])
-        panel.painter.paintError(reference.painter, this.exposure);
-      else
-        panel.painter.paint(tone);
+      panel.painter.paint(tone);
     });
     this.onChange();
-  }
-
-  // What the error is of: the reference, else the last sequence, if there are several.
-  reference() {
-    return this.panels.find(panel => panel.isReference) || (this.panels.length > 1 ? this.panels[this.panels.length - 1] : undefined);
-  }
-
-  canShowError({ sequence }) {
-    const reference = this.reference();
-    return reference !== undefined && reference.sequence !== sequence && reference.sequence.width === sequence.width && reference.sequence.height === sequence.height;
   }
 
   setView(name) {

@@ -53,7 +53,7 @@ function makeScale(low, high) {
 
 class Chart {
   // series: { name, color, values }, a value for each frame, null: a gap. `seek( index )` is called on clicks and drags.
-  constructor(parent, { id, title, note, series, frames, seek }) {
+  constructor(parent, { id, title, series, frames, seek }) {
     const known = series.flatMap(one => one.values).filter(value => value !== null), first = frames[0], last = frames[frames.length - 1];
     const y = makeScale(Math.min(...known), Math.max(...known));
     this.px = number => MARGIN.left + (last > first ? (number - first) / (last - first) : 0.5) * (WIDTH - MARGIN.left - MARGIN.right);
@@ -62,7 +62,7 @@ class Chart {
     this.svg = makeSvg("svg", { role: "img", "aria-label": title, viewBox: `0 0 ${WIDTH} ${HEIGHT}` });
     this.readouts = series.map(() => make("b", {}));
     const legend = make("div", { className: "legend" }, ...series.map((one, i) => make("span", {}, mark(one.color), one.name, " ", this.readouts[i])));
-    parent.append(make("div", { className: "chart card", id }, make("h2", { textContent: title }), make("p", { textContent: note || "" }), legend, this.svg));
+    parent.append(make("div", { className: "chart card", id }, make("h2", { textContent: title }), legend, this.svg));
     for (const tick of y.ticks) {
       makeSvg("line", { class: "grid", x1: MARGIN.left, x2: WIDTH - MARGIN.right, y1: this.py(tick), y2: this.py(tick) }, this.svg);
       this.write(formatNumber(tick), MARGIN.left - 7, this.py(tick) + 4, "end");

@@ -1,4 +1,4 @@
-// Builds the page from its data: verdict, warnings, panels, controls, charts, tables.
+// Builds the page from its data: panels, controls, charts, tables.
 
 const element = id => document.getElementById(id);
 const colorOf = index => `var(--series-${index % 6})`;
@@ -16,31 +16,12 @@ function showFailure(error) {
   console.error(error);
 }
 
-function showVerdict({ verdict: { text, basis, worst_frame } }, seek) {
-  element("verdict-text").append(text);
-  if (worst_frame !== null)
-    element("verdict-text").append("; ", make("button", { type: "button", textContent: `worst frame ${worst_frame}`, onclick: () => seek(worst_frame) }));
-  element("verdict-basis").append(basis);
-}
-
-function showWarnings({ warnings, sequences }) {
-  const lost = warnings.filter(warning => warning.loss).length, rest = warnings.length - lost;
-  element("warnings").hidden = warnings.length === 0;
-  element("warnings").open = warnings.length <= 4 || lost > 0;
-  const titles = [lost > 0 ? `Lost by the export: ${lost}` : "", rest > 0 ? `${rest} warning${rest === 1 ? "" : "s"}` : ""];
-  element("warnings-title").textContent = titles.filter(title => title !== "").join("; ");
-  for (const { sequence, text, loss } of warnings) {
-    const name = sequences.length > 1 ? [make("strong", { textContent: `${sequences[sequence].name}: ` })] : [];
-    element("warnings-list").append(make("li", { className: loss ? "loss" : "" }, ...name, text));
-  }
-}
-
 // What a view shows of a frame of a sequence: { ids, layer, groups }, or null. The mix has a block for each light group.
 function sourceOf(sequence, data, view, i) {
   const { blocks, layers, index } = sequence, mixes = view === "mix" && sequence.mixes;
   if (blocks[i] === null)
     return null;
-  if (view === "picture" || view === "error")
+  if (view === "picture")
     return { ids: [blocks[i]] };
   const shown = layers.filter(layer => mixes ? layer.group : layer.name === view);
   if (shown.length === 0 || !sequence.has_layers[i])
@@ -74,7 +55,7 @@ function makePanel(sequence, index, data) {
     bad.textContent = sequence.bad[i] > 0 ? `${sequence.bad[i]} pixels are NaN or infinite` : "";
   };
   const source = (view, i) => sourceOf(sequence, data, view, i);
-  return { figure, stage, content, cross, sequence, painter: new Painter(canvas), source, isReference: sequence.reference, onFrame };
+  return { figure, stage, content, cross, sequence, painter: new Painter(canvas), source, onFrame };
 }
 
 // Curves of what any sequence has.
@@ -83,7 +64,7 @@ function addCharts(data, seek) {
   return Object.entries(titles).flatMap(([key, title]) => {
     const all = data.sequences.map((sequence, index) => ({ name: sequence.name, color: colorOf(index), values: sequence[key] }));
     const series = all.filter(one => one.values.some(value => value !== null));
-    return series.length === 0 ? [] : [new Chart(element("charts"), { id: `chart-${key}`, title, note: data.notes[key], series, frames: data.frames, seek })];
+    return series.length === 0 ? [] : [new Chart(element("charts"), { id: `chart-${key}`, title, series, frames: data.frames, seek })];
   });
 }
 
@@ -127,12 +108,10 @@ function fillMix(player, data) {
   };
 }
 
-// Views: the picture, its error where there is something to compare with, the mix, and the passes that any sequence has.
-function fillViews(player, { sequences }) {
-  const add = (value, text) => element("view").append(new Option(text, value)), reference = player.reference();
+// Views: the picture, the mix, and the passes that any sequence has.
+function fillViews({ sequences }) {
+  const add = (value, text) => element("view").append(new Option(text, value));
   add("picture", "Image");
-  if (player.panels.some(panel => player.canShowError(panel)))
-    add("error", reference.isReference ? "Error" : `Difference to ${reference.sequence.name}`);
   if (sequences.some(sequence => sequence.mixes))
     add("mix", "Light groups, mixed");
   for (const name of new Set(sequences.flatMap(sequence => sequence.layers.map(layer => layer.name))))
@@ -191,7 +170,7 @@ function connectKeys(player, stage, probe, toggleWipe) {
   const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
   addEventListener("keydown", event => {
     const on = selector => event.target.matches && event.target.matches(selector), step = on(".stage") && steps[event.key];
-    const takes = on("select, input[type=number]") || (event.key === " " ? on("button, summary") : /^(Arrow|Home|End)/.test(event.key) && on("input")); // the key itself
+    const takes = on("select, input[type=number]") || (event.key === " " ? on("button") : /^(Arrow|Home|End)/.test(event.key) && on("input")); // the key itself
     if (takes || event.ctrlKey || event.altKey || event.metaKey || (!step && !keys[event.key]))
       return;
     event.preventDefault();
@@ -233,11 +212,9 @@ function start() {
     element("zoom-fit").disabled = stage.zoom === 1;
   });
   const probe = new Probe(element("probe"), data, player, stage);
-  showVerdict(data, number => player.seek(data.frames.indexOf(number)).catch(showFailure));
-  showWarnings(data);
   const charts = addCharts(data, index => player.seek(index).catch(showFailure));
   addFacts(data);
-  fillViews(player, data);
+  fillViews(data);
   connectControls(player, stage, data);
   connectKeys(player, stage, probe, connectLayout(stage, data, () => probe.show()));
   shows.push(() => showState(player, data, charts), fillMix(player, data), () => probe.show());
