@@ -24,9 +24,8 @@ typedef struct RfCommand
     const char* summary;
 } RfCommand;
 
-// Prints something of each command's table of options; a row without a name ends them. Returns an exit
-// status.
-int rf_print_commands( const RfCommand* commands, RfHelpPrinter* printer );
+// Prints the manual page of the commands, which a row without a name ends; returns the exit status.
+int rf_print_manual( const RfCommand* commands );
 
 // Names the commands that `completion` completes.
 void rf_set_completion_commands( const RfCommand* commands );

@@ -1,7 +1,6 @@
 // The program: finds the command and runs it.
 #define _XOPEN_SOURCE 700 // setenv, readlink
 #include "cli/commands.h"
-#include "cli/help.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
 #include "cli/signals.h"

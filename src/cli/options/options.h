@@ -134,28 +134,6 @@ RfResult rf_show_help( const RfCommandTable* table, RfError* error );
 int rf_run_command( const RfCommandTable* table, int argc, char** argv, const char** files,
                     RfResult ( *run )( void* user, RfError* error ), void* user );
 
-// Calls `heading` with the name of each heading, where the command has so many options that the help has any, and
-// `option` for each option below it.
-void rf_list_options( const RfCommandTable* table, FILE* file, void ( *heading )( const char* name, FILE* file ),
-                      void ( *option )( const RfOption* option, FILE* file ) );
-
-#define RF_DEFAULT_SIZE 256
-
-// Formats the default of an option for the help: what its value holds, or words; empty where there is none.
-void rf_format_default( const RfOption* option, char text[RF_DEFAULT_SIZE] );
-
-// Replaces what rf_print_help prints, for other texts from the same tables such as
-// the manual page.
-typedef void RfHelpPrinter( const RfCommandTable* table, FILE* file );
-void rf_set_help_printer( RfHelpPrinter* printer );
-
-// Formats an option as it is written: "--weights exact|eq15|unweighted",
-// "-o, --output PATTERN", "--[no-]resume", "--[no-]adaptive [auto|on|off]".
-void rf_format_option( const RfOption* option, char* text, size_t size );
-
-// "..." for a positional argument that may be repeated, else "".
-const char* rf_file_dots( const RfCommandTable* table, int i );
-
 // Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
