@@ -7,7 +7,7 @@
 #include "cli/render/progress.h"
 #include "image/exr.h"
 #include "image/sequence.h"
-#include "output/pass_names.h"
+#include "output/names.h"
 #include "reframe/image.h"
 #include "reframe/reconstruct.h"
 

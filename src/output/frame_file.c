@@ -8,8 +8,6 @@
 #include "image/colour.h"
 #include "image/exr.h"
 #include "output/names.h"
-#include "output/pass_names.h"
-#include "output/time_code.h"
 #include "render/groups.h"
 #include "scene/eye.h"
 #include "scene/scene.h"
@@ -200,80 +198,71 @@ void rf_clean_output_folder( const char* pattern )
 
 static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
 
+// Adds a text where it is not what all frames have had since before there was such a setting: an option that is added later leaves the
+// fingerprints of frames without it.
+__attribute__( ( format( printf, 3, 4 ) ) ) static void add_setting( uint64_t* hash, bool is_set, const char* format, ... )
+{
+    char text[512];
+    va_list args;
+    va_start( args, format );
+    vsnprintf( text, sizeof text, format, args );
+    va_end( args );
+    *hash = is_set ? hash_text( *hash, text ) : *hash;
+}
+
 void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGERPRINT_SIZE] )
 {
+    static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };
     const RfRenderSettings* s = &output->settings;
     const RfCameraPath* path = output->path;
-    // Numbers as text: no padding bytes, no byte order, and a new setting cannot
-    // be mistaken for an old one.
-    char settings[512], tile[RF_TILE_NAME_SIZE];
+    const RfScene* scene = rf_tracer_scene( output->tracer );
+    char tile[RF_TILE_NAME_SIZE], aovs[RF_AOVS_TEXT_SIZE], kinds[RF_CRYPTOMATTE_TEXT_SIZE];
     rf_tile_name( &s->tile, tile );
-    snprintf( settings, sizeof settings,
-              "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
-              "tile %s",
-              (unsigned long long)rf_tracer_scene( output->tracer )->content_hash, frame, path->count, path->fps.numerator,
-              path->fps.denominator, s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ),
-              s->max_depth, s->light_samples, (unsigned long long)s->seed, tile );
-    uint64_t hash = hash_text( hash_text( path->hash, rf_version() ), settings );
-    // What is off adds nothing, here and below: an option that is added later leaves the fingerprints of frames without it.
-    static const int adaptive[] = { [RF_ADAPTIVE_OFF] = 0, [RF_ADAPTIVE_ON] = 1, [RF_ADAPTIVE_AUTO] = 2 };
-    snprintf( settings, sizeof settings, "noise %.17g time %.17g adaptive %d", s->noise, s->time, adaptive[s->adaptive] );
-    if ( s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF )
-        hash = hash_text( hash, settings );
-    snprintf( settings, sizeof settings, "flicker %.17g", s->flicker );
-    if ( s->flicker > 0.0 )
-        hash = hash_text( hash, settings );
-    snprintf( settings, sizeof settings, "clamp %.17g", s->clamp );
-    if ( s->clamp != 0.0 )
-        hash = hash_text( hash, settings );
-    snprintf( settings, sizeof settings, "clamp of chains %.17g", s->clamp_chains );
-    if ( s->clamp_chains > 0.0 )
-        hash = hash_text( hash, settings );
-    snprintf( settings, sizeof settings, "filter %s %.17g", rf_filter_name( s->filter ), s->filter_width );
-    if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
-        hash = hash_text( hash, settings );
-    char aovs[RF_AOVS_TEXT_SIZE];
     rf_format_aovs( s->aovs, aovs, sizeof aovs );
-    snprintf( settings, sizeof settings, "runs %d", path->run_count );
-    if ( path->run_count > 0 && path->run_count < path->count )
-        hash = hash_text( hash, settings );
+    rf_format_cryptomatte( s->cryptomatte, kinds );
+    // Numbers as text: no padding bytes, no byte order, and a new setting cannot be mistaken for an old one.
+    uint64_t hash = hash_text( path->hash, rf_version() );
+    add_setting( &hash, true,
+                 "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
+                 "tile %s",
+                 (unsigned long long)scene->content_hash, frame, path->count, path->fps.numerator, path->fps.denominator, s->spp,
+                 s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
+                 (unsigned long long)s->seed, tile );
+    add_setting( &hash, s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF, "noise %.17g time %.17g adaptive %d",
+                 s->noise, s->time, adaptive[s->adaptive] );
+    add_setting( &hash, s->flicker > 0.0, "flicker %.17g", s->flicker );
+    add_setting( &hash, s->clamp != 0.0, "clamp %.17g", s->clamp );
+    add_setting( &hash, s->clamp_chains > 0.0, "clamp of chains %.17g", s->clamp_chains );
+    add_setting( &hash, s->filter != RF_FILTER_BOX || s->filter_width != 1.0, "filter %s %.17g", rf_filter_name( s->filter ),
+                 s->filter_width );
+    add_setting( &hash, path->run_count > 0 && path->run_count < path->count, "runs %d", path->run_count );
     if ( s->aovs != 0 )
         hash = hash_text( hash, aovs );
-    char kinds[RF_CRYPTOMATTE_TEXT_SIZE];
-    rf_format_cryptomatte( s->cryptomatte, kinds );
     if ( s->cryptomatte != 0 )
         hash = hash_text( hash_text( hash, "cryptomatte" ), kinds );
     if ( s->light_groups != NULL )
         hash = hash_text( hash_text( hash, "light groups" ), s->light_groups );
-    if ( rf_is_other_estimator( s->estimator ) )
-        hash = hash_text( hash, rf_estimator_name( s->estimator ) );
-    if ( s->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
-        hash = hash_text( hash, rf_reconstruction_name( s->reconstruction ) );
+    add_setting( &hash, rf_is_other_estimator( s->estimator ), "%s", rf_estimator_name( s->estimator ) );
+    add_setting( &hash, s->reconstruction != RF_RECONSTRUCTION_WEIGHTED, "%s", rf_reconstruction_name( s->reconstruction ) );
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
         hash = hash_text( hash_text( hash, rf_light_paths_name( s->light_paths ) ),
                           rf_kernel_normalization_name( s->kernel_normalization ) );
-    snprintf( settings, sizeof settings, "overscan %dx%d", path->overscan[0], path->overscan[1] );
-    if ( ( path->overscan[0] | path->overscan[1] ) != 0 )
-        hash = hash_text( hash, settings );
+    add_setting( &hash, ( path->overscan[0] | path->overscan[1] ) != 0, "overscan %dx%d", path->overscan[0], path->overscan[1] );
     if ( s->files.colour_space != RF_REC709 )
         hash = hash_text( hash_text( hash, "colour space" ), rf_colour_space_words[s->files.colour_space] );
     if ( s->files.names != RF_NAMES_REFRAME ) // one sequence, one naming and one time code
         hash = hash_text( hash, rf_pass_names_words[s->files.names] );
     if ( s->files.time_code != NULL )
         hash = hash_text( hash, s->files.time_code );
-    const RfScene* scene = rf_tracer_scene( output->tracer );
-    snprintf( settings, sizeof settings, "effects forced %llx without %llx", (unsigned long long)scene->effects_forced,
-              (unsigned long long)scene->effects_left_out );
-    if ( ( scene->effects_forced | scene->effects_left_out ) != 0 )
-        hash = hash_text( hash, settings );
+    add_setting( &hash, ( scene->effects_forced | scene->effects_left_out ) != 0, "effects forced %llx without %llx",
+                 (unsigned long long)scene->effects_forced, (unsigned long long)scene->effects_left_out );
     snprintf( text, RF_FINGERPRINT_SIZE, "%016llx", (unsigned long long)hash );
 }
 
-static const char* const s_names[RF_KEY_COUNT] = {
-#define RF_KEY_NAME( constant, name ) name,
-    RF_KEY_LIST( RF_KEY_NAME )
-#undef RF_KEY_NAME
-};
+#define RF_KEY_NAME( constant, name, absent ) name,
+#define RF_KEY_ABSENT( constant, name, absent ) absent,
+static const char* const s_names[RF_KEY_COUNT] = { RF_KEY_LIST( RF_KEY_NAME ) };
+static const char* const s_absent[RF_KEY_COUNT] = { RF_KEY_LIST( RF_KEY_ABSENT ) };
 
 const char* rf_key_name( RfKey key ) { return s_names[key]; }
 
@@ -506,35 +495,7 @@ static const char* option_value( RfKey key, const char* value )
 // What a key that is not in a file stands for.
 static const char* absent_value( RfKey key )
 {
-    switch ( key )
-    {
-        case RF_KEY_ADAPTIVE: return rf_adaptive_name( RF_ADAPTIVE_OFF );
-        case RF_KEY_CLAMP: return "off";
-        case RF_KEY_NOISE:
-        case RF_KEY_FLICKER:
-        case RF_KEY_TIME: return "0";
-        case RF_KEY_RECONSTRUCTION: return rf_reconstruction_name( RF_RECONSTRUCTION_WEIGHTED );
-        case RF_KEY_LIGHT_PATHS: return rf_light_paths_name( RF_LIGHT_PATHS_OFF );
-        case RF_KEY_KERNEL_NORMALIZATION: return rf_kernel_normalization_name( RF_KERNEL_EXACT );
-        case RF_KEY_AOV:
-        case RF_KEY_CRYPTOMATTE:
-        case RF_KEY_CLAMP_CHAINS:
-        case RF_KEY_LIGHT_GROUPS:
-        case RF_KEY_MAX_DEPTH:
-        case RF_KEY_OVERSCAN:
-        case RF_KEY_NO_EFFECT: return "none";
-        case RF_KEY_NAMES: return rf_pass_names_words[RF_NAMES_REFRAME];
-        case RF_KEY_TIMECODE: return "none";
-        case RF_KEY_COMPRESSION: return rf_compression_words[RF_EXR_ZIP];
-        case RF_KEY_PARTS: return rf_parts_words[RF_PARTS_ONE];
-        case RF_KEY_FLOAT: return "no";
-        case RF_KEY_COLORSPACE: return rf_colour_space_words[RF_REC709];
-        case RF_KEY_EFFECTS: return "auto";
-        case RF_KEY_FILTER: return rf_filter_name( RF_FILTER_BOX );
-        case RF_KEY_FILTER_WIDTH: return "1";
-        case RF_KEY_ESTIMATOR: return rf_estimator_name( rf_default_render_settings().estimator );
-        default: return "";
-    }
+    return key == RF_KEY_ESTIMATOR ? rf_estimator_name( rf_default_render_settings().estimator ) : s_absent[key];
 }
 
 static void add_difference( RfFrameDifference* list, int* count, const char* name, const char* there, const char* here )
@@ -562,16 +523,6 @@ static void add_size( const RfOutput* output, const char* name, RfFrameDifferenc
 
 int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDifference list[RF_MAX_DIFFERENCES] )
 {
-    static const RfKey keys[] = {
-        RF_KEY_VERSION,    RF_KEY_FRAME,         RF_KEY_CAMERA,         RF_KEY_FRAMES,      RF_KEY_GROUP,
-        RF_KEY_SPP,        RF_KEY_TILE,          RF_KEY_WEIGHTS,        RF_KEY_NORMALIZE,   RF_KEY_SEED,
-        RF_KEY_MAX_DEPTH,  RF_KEY_LIGHT_SAMPLES, RF_KEY_ADAPTIVE,       RF_KEY_NOISE,       RF_KEY_TIME,
-        RF_KEY_AOV,        RF_KEY_FLICKER,       RF_KEY_ESTIMATOR,      RF_KEY_EFFECTS,     RF_KEY_NO_EFFECT,
-        RF_KEY_FILTER,     RF_KEY_FILTER_WIDTH,  RF_KEY_RECONSTRUCTION, RF_KEY_LIGHT_PATHS, RF_KEY_KERNEL_NORMALIZATION,
-        RF_KEY_CLAMP,      RF_KEY_BLUR_STEPS,    RF_KEY_LIGHT_GROUPS,   RF_KEY_CRYPTOMATTE, RF_KEY_OVERSCAN,
-        RF_KEY_NAMES,      RF_KEY_TIMECODE,      RF_KEY_COMPRESSION,    RF_KEY_PARTS,       RF_KEY_FLOAT,
-        RF_KEY_COLORSPACE, RF_KEY_CLAMP_CHAINS
-    };
     char name[MAX_NAME], there[RF_DIFFERENCE_SIZE];
     int count = 0;
     Attributes wanted;
@@ -579,15 +530,17 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     list_attributes( output, &none, &wanted );
     if ( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, NULL ) != RF_OK )
         return 0;
-    for ( size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i )
+    for ( RfKey key = 0; key < RF_KEY_COUNT; ++key )
     {
-        const char* here = wanted.values[keys[i]];
-        bool is_there = rf_read_exr_string( name, rf_key_name( keys[i] ), there, sizeof there, NULL ) == RF_OK;
-        if ( keys[i] == RF_KEY_BLUR_STEPS && is_there != ( here != NULL ) )
+        const char* here = wanted.values[key];
+        if ( s_absent[key] == NULL )
+            continue;
+        bool is_there = rf_read_exr_string( name, s_names[key], there, sizeof there, NULL ) == RF_OK;
+        if ( key == RF_KEY_BLUR_STEPS && is_there != ( here != NULL ) )
             continue; // by another shutter, or another scene
-        add_difference( list, &count, rf_key_name( keys[i] ) + strlen( "reframe/" ),
-                        is_there ? option_value( keys[i], there ) : absent_value( keys[i] ),
-                        here != NULL ? option_value( keys[i], here ) : absent_value( keys[i] ) );
+        add_difference( list, &count, s_names[key] + strlen( "reframe/" ),
+                        is_there ? option_value( key, there ) : absent_value( key ),
+                        here != NULL ? option_value( key, here ) : absent_value( key ) );
     }
     add_size( output, name, list, &count );
     return count;

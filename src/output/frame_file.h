@@ -7,77 +7,78 @@
 
 // What the header of a frame's file says of it and of the render it belongs to.
 
-// In the order of the file. Each is there at most once.
+// In the order of the file. Each is there at most once. The last column is what stands for a setting that is not there, "" for one
+// that always is, and NULL for what may differ between frames of one render.
 #define RF_KEY_LIST( X )                                                                                                         \
-    X( VERSION, "reframe/version" )                                                                                              \
-    X( SCENE, "reframe/scene" )                                                                                                  \
-    X( CAMERA, "reframe/camera" )                                                                                                \
-    X( FRAME, "reframe/frame" )                                                                                                  \
-    X( FRAMES, "reframe/frames" )                                                                                                \
-    X( SHOT, "reframe/shot" )                                                                                                    \
-    X( STEP, "reframe/step" )                                                                                                    \
-    X( OVERSCAN, "reframe/overscan" )                                                                                            \
-    X( NAMES, "reframe/names" )                                                                                                  \
-    X( TIMECODE, "reframe/timecode" )                                                                                            \
-    X( COMPRESSION, "reframe/compression" )                                                                                      \
-    X( PARTS, "reframe/parts" )                                                                                                  \
-    X( FLOAT, "reframe/float" )                                                                                                  \
-    X( COLORSPACE, "reframe/colorspace" )                                                                                        \
-    X( BLUR_STEPS, "reframe/blur-steps" )                                                                                        \
-    X( GROUP, "reframe/group" )                                                                                                  \
-    X( SPP, "reframe/spp" )                                                                                                      \
-    X( TILE, "reframe/tile" )                                                                                                    \
-    X( WEIGHTS, "reframe/weights" )                                                                                              \
-    X( NORMALIZE, "reframe/normalize" )                                                                                          \
-    X( SEED, "reframe/seed" )                                                                                                    \
-    X( MAX_DEPTH, "reframe/max-depth" )                                                                                          \
-    X( BEYOND_DEPTH_SHARE, "reframe/beyond-depth-share" )                                                                        \
-    X( LIGHT_SAMPLES, "reframe/light-samples" )                                                                                  \
-    X( FILTER, "reframe/filter" )                                                                                                \
-    X( FILTER_WIDTH, "reframe/filter-width" )                                                                                    \
-    X( ADAPTIVE, "reframe/adaptive" )                                                                                            \
-    X( NOISE, "reframe/noise" )                                                                                                  \
-    X( CLAMP, "reframe/clamp" )                                                                                                  \
-    X( CLAMP_CHAINS, "reframe/clamp-chains" )                                                                                    \
-    X( CLAMP_THRESHOLD, "reframe/clamp-threshold" )                                                                              \
-    X( CLAMP_THRESHOLD_CHAINS, "reframe/clamp-threshold-chains" )                                                                \
-    X( REMOVED_SHARE, "reframe/removed-share" )                                                                                  \
-    X( FLICKER, "reframe/flicker" )                                                                                              \
-    X( TIME, "reframe/time" )                                                                                                    \
-    X( RELMSE_ESTIMATE, "reframe/relmse-estimate" )                                                                              \
-    X( RELMSE_IS_LOWER_BOUND, "reframe/relmse-is-lower-bound" )                                                                  \
-    X( RELMSE_LIKELY, "reframe/relmse-likely" )                                                                                  \
-    X( WORST_TEN_SHARE, "reframe/worst-ten-share" )                                                                              \
-    X( FLICKER_ESTIMATE, "reframe/flicker-estimate" )                                                                            \
-    X( FLICKER_IS_LOWER_BOUND, "reframe/flicker-is-lower-bound" )                                                                \
-    X( FLICKER_LIKELY, "reframe/flicker-likely" )                                                                                \
-    X( FLICKER_WORST_TEN_SHARE, "reframe/flicker-worst-ten-share" )                                                              \
-    X( REACHED, "reframe/reached" )                                                                                              \
-    X( NATIVE_SPP, "reframe/native-spp" )                                                                                        \
-    X( EFFECTIVE_SPP, "reframe/effective-spp" )                                                                                  \
-    X( AOV, "reframe/aov" )                                                                                                      \
-    X( CRYPTOMATTE, "reframe/cryptomatte" )                                                                                      \
-    X( LIGHT_GROUPS, "reframe/light-groups" )                                                                                    \
-    X( ESTIMATOR, "reframe/estimator" )                                                                                          \
-    X( RECONSTRUCTION, "reframe/reconstruction" )                                                                                \
-    X( LIGHT_PATHS, "reframe/light-paths" )                                                                                      \
-    X( KERNEL_NORMALIZATION, "reframe/kernel-normalization" )                                                                    \
-    X( EFFECTS, "reframe/effects" )                                                                                              \
-    X( NO_EFFECT, "reframe/no-effect" )                                                                                          \
-    X( CALLS_FOR, "reframe/calls-for" )                                                                                          \
-    X( VIEW, "reframe/view" )                                                                                                    \
-    X( LOOK, "reframe/look" )                                                                                                    \
-    X( EXPOSURE, "reframe/exposure" )                                                                                            \
-    X( GAMMA, "reframe/gamma" )                                                                                                  \
-    X( CLIPPED_PIXELS, "reframe/clipped-pixels" )                                                                                \
-    X( CLIPPED_LAYERS, "reframe/clipped-layers" )                                                                                \
-    X( DEVICE, "reframe/device" )                                                                                                \
-    X( FINGERPRINT, "reframe/fingerprint" )
+    X( VERSION, "reframe/version", "" )                                                                                          \
+    X( SCENE, "reframe/scene", NULL )                                                                                            \
+    X( CAMERA, "reframe/camera", "" )                                                                                            \
+    X( FRAME, "reframe/frame", "" )                                                                                              \
+    X( FRAMES, "reframe/frames", "" )                                                                                            \
+    X( SHOT, "reframe/shot", NULL )                                                                                              \
+    X( STEP, "reframe/step", NULL )                                                                                              \
+    X( OVERSCAN, "reframe/overscan", "none" )                                                                                    \
+    X( NAMES, "reframe/names", "reframe" )                                                                                       \
+    X( TIMECODE, "reframe/timecode", "none" )                                                                                    \
+    X( COMPRESSION, "reframe/compression", "zip" )                                                                               \
+    X( PARTS, "reframe/parts", "one" )                                                                                           \
+    X( FLOAT, "reframe/float", "no" )                                                                                            \
+    X( COLORSPACE, "reframe/colorspace", "rec709" )                                                                              \
+    X( BLUR_STEPS, "reframe/blur-steps", "" )                                                                                    \
+    X( GROUP, "reframe/group", "" )                                                                                              \
+    X( SPP, "reframe/spp", "" )                                                                                                  \
+    X( TILE, "reframe/tile", "" )                                                                                                \
+    X( WEIGHTS, "reframe/weights", "" )                                                                                          \
+    X( NORMALIZE, "reframe/normalize", "" )                                                                                      \
+    X( SEED, "reframe/seed", "" )                                                                                                \
+    X( MAX_DEPTH, "reframe/max-depth", "none" )                                                                                  \
+    X( BEYOND_DEPTH_SHARE, "reframe/beyond-depth-share", NULL )                                                                  \
+    X( LIGHT_SAMPLES, "reframe/light-samples", "" )                                                                              \
+    X( FILTER, "reframe/filter", "box" )                                                                                         \
+    X( FILTER_WIDTH, "reframe/filter-width", "1" )                                                                               \
+    X( ADAPTIVE, "reframe/adaptive", "off" )                                                                                     \
+    X( NOISE, "reframe/noise", "0" )                                                                                             \
+    X( CLAMP, "reframe/clamp", "off" )                                                                                           \
+    X( CLAMP_CHAINS, "reframe/clamp-chains", "none" )                                                                            \
+    X( CLAMP_THRESHOLD, "reframe/clamp-threshold", NULL )                                                                        \
+    X( CLAMP_THRESHOLD_CHAINS, "reframe/clamp-threshold-chains", NULL )                                                          \
+    X( REMOVED_SHARE, "reframe/removed-share", NULL )                                                                            \
+    X( FLICKER, "reframe/flicker", "0" )                                                                                         \
+    X( TIME, "reframe/time", "0" )                                                                                               \
+    X( RELMSE_ESTIMATE, "reframe/relmse-estimate", NULL )                                                                        \
+    X( RELMSE_IS_LOWER_BOUND, "reframe/relmse-is-lower-bound", NULL )                                                            \
+    X( RELMSE_LIKELY, "reframe/relmse-likely", NULL )                                                                            \
+    X( WORST_TEN_SHARE, "reframe/worst-ten-share", NULL )                                                                        \
+    X( FLICKER_ESTIMATE, "reframe/flicker-estimate", NULL )                                                                      \
+    X( FLICKER_IS_LOWER_BOUND, "reframe/flicker-is-lower-bound", NULL )                                                          \
+    X( FLICKER_LIKELY, "reframe/flicker-likely", NULL )                                                                          \
+    X( FLICKER_WORST_TEN_SHARE, "reframe/flicker-worst-ten-share", NULL )                                                        \
+    X( REACHED, "reframe/reached", NULL )                                                                                        \
+    X( NATIVE_SPP, "reframe/native-spp", NULL )                                                                                  \
+    X( EFFECTIVE_SPP, "reframe/effective-spp", NULL )                                                                            \
+    X( AOV, "reframe/aov", "none" )                                                                                              \
+    X( CRYPTOMATTE, "reframe/cryptomatte", "none" )                                                                              \
+    X( LIGHT_GROUPS, "reframe/light-groups", "none" )                                                                            \
+    X( ESTIMATOR, "reframe/estimator", "" )                                                                                      \
+    X( RECONSTRUCTION, "reframe/reconstruction", "weighted" )                                                                    \
+    X( LIGHT_PATHS, "reframe/light-paths", "off" )                                                                               \
+    X( KERNEL_NORMALIZATION, "reframe/kernel-normalization", "exact" )                                                           \
+    X( EFFECTS, "reframe/effects", "auto" )                                                                                      \
+    X( NO_EFFECT, "reframe/no-effect", "none" )                                                                                  \
+    X( CALLS_FOR, "reframe/calls-for", NULL )                                                                                    \
+    X( VIEW, "reframe/view", NULL )                                                                                              \
+    X( LOOK, "reframe/look", NULL )                                                                                              \
+    X( EXPOSURE, "reframe/exposure", NULL )                                                                                      \
+    X( GAMMA, "reframe/gamma", NULL )                                                                                            \
+    X( CLIPPED_PIXELS, "reframe/clipped-pixels", NULL )                                                                          \
+    X( CLIPPED_LAYERS, "reframe/clipped-layers", NULL )                                                                          \
+    X( DEVICE, "reframe/device", NULL )                                                                                          \
+    X( FINGERPRINT, "reframe/fingerprint", NULL )
 
 // RF_KEY_VERSION and so on.
 typedef enum RfKey
 {
-#define RF_KEY_CONSTANT( constant, name ) RF_KEY_##constant,
+#define RF_KEY_CONSTANT( constant, name, absent ) RF_KEY_##constant,
     RF_KEY_LIST( RF_KEY_CONSTANT )
 #undef RF_KEY_CONSTANT
         RF_KEY_COUNT

@@ -2,7 +2,7 @@
 #include "page/pass_groups.h"
 
 #include "film/aov.h"
-#include "output/pass_names.h"
+#include "output/names.h"
 
 #include <jansson.h>
 #include <stdio.h>

@@ -125,7 +125,7 @@ bool rf_parse_tile( const char* text, RfTile* tile );
 // The name that parses to it.
 void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
 
-// What the channels of a file are called, and the conventions that go with it (src/output/pass_names.h).
+// What the channels of a file are called, and the conventions that go with it (src/output/names.h).
 typedef enum RfPassNames
 {
     RF_NAMES_REFRAME, // R, depth.Z, motion.X

@@ -4,7 +4,7 @@
 #include "support/test.h"
 
 #include "image/exr.h"
-#include "output/pass_names.h"
+#include "output/names.h"
 
 #include <openexr.h>
 

@@ -1,5 +1,5 @@
 // Names of passes in files: those that Blender writes, those that Nuke reserves, and the way back from each.
-#include "output/pass_names.h"
+#include "output/names.h"
 #include "support/image_support.h"
 #include "support/test.h"
 

@@ -1,5 +1,5 @@
 // Time codes of frames against hand-counted ones and against their definition, number by number.
-#include "output/time_code.h"
+#include "output/names.h"
 #include "support/image_support.h"
 #include "support/test.h"
 
