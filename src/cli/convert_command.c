@@ -74,8 +74,8 @@ static RfResult convert( void* user, RfError* error )
     s_convert.z_up = s_up == UP_Z;
     s_convert.assimp = s_importer == IMPORTER_ASSIMP;
     s_convert.is_interrupted = is_interrupted;
-    RfResult result = rf_convert_model( from, to, &s_convert, &counts, &log, error );
-    return result == RF_OK ? report_result( from, to, &counts, log.count, error ) : result;
+    RF_TRY( rf_convert_model( from, to, &s_convert, &counts, &log, error ) );
+    return report_result( from, to, &counts, log.count, error );
 }
 
 int rf_command_convert( int argc, char** argv )

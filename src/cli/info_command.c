@@ -123,14 +123,13 @@ static RfResult gather_changes( const RfScene* scene, Facts* facts, RfError* err
 
 static RfResult gather( const RfScene* scene, Facts* facts, RfError* error )
 {
-    RfResult result = rf_scene_info( scene, &facts->scene, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_scene_info( scene, &facts->scene, error ) );
     if ( s_fps.numerator == 0 )
         s_fps = rf_scene_fps( scene );
     facts->cameras = calloc( (size_t)facts->scene.cameras + 1, sizeof *facts->cameras );
     if ( facts->cameras == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its cameras", facts->scene.path );
+    RfResult result = RF_OK;
     for ( int i = 0; i < facts->scene.cameras && result == RF_OK; ++i )
         result = rf_scene_camera( scene, i, s_fps, facts->cameras + i, error );
     return result == RF_OK ? gather_changes( scene, facts, error ) : result;
@@ -410,11 +409,9 @@ static void take_given( RfRenderOptions* options )
 static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRenderOptions* options, RfError* error )
 {
     RfLog log = rf_stderr_log( "info" );
-    RfResult result = rf_open_scene_file( name, file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_scene_file( name, file, error ) );
     RfField defaults = rf_scene_file_defaults( file, error );
-    result = rf_read_render_defaults( &defaults, options );
+    RfResult result = rf_read_render_defaults( &defaults, options );
     rf_settle_filter( options );
     take_given( options );
     if ( !s_fps_given )

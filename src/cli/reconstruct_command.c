@@ -133,9 +133,7 @@ static RfResult read_gradient( const char* path, const char* from, const char* p
     if ( from == NULL )
         return read_layer( path, layer_name( prefix, given, name, layer ), name, frame, image, error );
     RfExrHeader header;
-    RfResult result = rf_read_exr_header( from, NULL, &header, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_exr_header( from, NULL, &header, error ) );
     snprintf( channel, sizeof channel, "%s.R", name );
     bool is_layer = given != NULL || has_channel( &header, "", channel );
     rf_destroy_exr_header( &header );
@@ -213,9 +211,7 @@ static RfResult read_file( const ReconstructFiles* files, const Paths* paths, in
 {
     RfExrHeader header;
     char channel[LAYER_SIZE];
-    RfResult result = rf_read_exr_header( paths->of[file], NULL, &header, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_exr_header( paths->of[file], NULL, &header, error ) );
     if ( file == 0 )
     {
         frame->fps_numerator = header.fps_numerator, frame->fps_denominator = header.fps_denominator;
@@ -224,6 +220,7 @@ static RfResult read_file( const ReconstructFiles* files, const Paths* paths, in
     snprintf( channel, sizeof channel, "%.500s.R", files->primal != NULL ? files->primal : "primal" );
     bool both = files->image_count == 1 && files->dx_from == NULL && files->dy_from == NULL &&
                 has_channel( &header, s_prefixes[0], channel );
+    RfResult result = RF_OK;
     if ( !both )
         result = read_half( files, paths, &header, file, usual_prefix( files, &header ), file, frame, error );
     for ( int k = 0; k < 2 && both && result == RF_OK; ++k )
@@ -333,12 +330,9 @@ static RfResult rf_solve_frame( const ReconstructChoice* choice, ReconstructFram
                                 ReconstructSolve* solve, RfImage* image, RfReconstructInfo* info, RfError* error )
 {
     RfError here;
-    RfResult result = choose_method( choice, frame, name, solve, error );
-    if ( result == RF_OK )
-        result = rf_create_image( frame->window.width, frame->window.height, image, error );
-    if ( result != RF_OK )
-        return result;
-    result = solve_frame( solve, frame, image->rgb, info, &here );
+    RF_TRY( choose_method( choice, frame, name, solve, error ) );
+    RF_TRY( rf_create_image( frame->window.width, frame->window.height, image, error ) );
+    RfResult result = solve_frame( solve, frame, image->rgb, info, &here );
     if ( result == RF_OK )
         return RF_OK;
     // options are checked: what the library refuses is in the file
@@ -417,10 +411,8 @@ static RfResult reconstruct_frame( Job* job, int number, RfError* error )
     RfImage image = { 0 };
     RfReconstructInfo info = { 0 };
     char name[RF_FILE_NAME_SIZE];
-    RfResult result = rf_sequence_input_name( job->files.inputs, number, name, error );
-    if ( result != RF_OK )
-        return result;
-    result = read_reconstruct_frame( &job->files, number, &frame, error );
+    RF_TRY( rf_sequence_input_name( job->files.inputs, number, name, error ) );
+    RfResult result = read_reconstruct_frame( &job->files, number, &frame, error );
     double start = rf_wall_seconds();
     if ( result == RF_OK )
         result = rf_solve_frame( &job->choice, &frame, name, &job->solve, &image, &info, error );

@@ -223,10 +223,8 @@ RfResult rf_write_file_atomic( const char* path, const void* bytes, size_t size,
     if ( stat( path, &status ) == 0 && !S_ISREG( status.st_mode ) && !S_ISDIR( status.st_mode ) )
         return write_in_place( path, bytes, size, error );
     RfAtomicFile file;
-    RfResult result = rf_open_atomic_file( path, &file, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_append_atomic_file( &file, bytes, size, error );
+    RF_TRY( rf_open_atomic_file( path, &file, error ) );
+    RfResult result = rf_append_atomic_file( &file, bytes, size, error );
     return rf_end_atomic_file( &file, result, error );
 }
 

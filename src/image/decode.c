@@ -15,9 +15,7 @@
 static RfResult measure_exr( const RfEncoded* in, RfExrStream* stream, RfPixels* out, RfError* error )
 {
     RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, 0, &part, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_part( stream, 0, &part, error ) );
     int width = part.width, height = part.height;
     rf_close_exr_part( &part );
     out->type = RF_PIXELS_FLOAT;
@@ -39,9 +37,7 @@ RfResult rf_decode_exr( const RfEncoded* in, RfPixels* out, RfError* error )
     RfColourConversion conversion;
     if ( in->header_alone )
         return measure_exr( in, &stream, out, error );
-    RfResult result = rf_read_exr_stream( &stream, &image, &conversion, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_exr_stream( &stream, &image, &conversion, error ) );
     *out = ( RfPixels ){ .width = image.width,
                          .height = image.height,
                          .channels = 3,
@@ -101,9 +97,7 @@ RfResult rf_check_sides( const RfEncoded* in, long long width, long long height,
 
 RfResult rf_create_pixels( const RfEncoded* in, long long width, long long height, RfPixels* out, RfError* error )
 {
-    RfResult result = rf_check_sides( in, width, height, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_check_sides( in, width, height, error ) );
     out->width = (int)width;
     out->height = (int)height;
     uint64_t bytes = rf_pixels_bytes( out ); // at most 2^28 pixels of 16 bytes
@@ -218,10 +212,8 @@ RfResult rf_decode_environment_map( const void* bytes, size_t size, const char* 
     *width = *height = 0;
     *rgb = NULL;
     RfPixels pixels;
-    RfResult result = rf_decode_image( bytes, size, name, &pixels, error );
-    if ( result != RF_OK )
-        return result;
-    result = convert( &pixels, name, rgb, error );
+    RF_TRY( rf_decode_image( bytes, size, name, &pixels, error ) );
+    RfResult result = convert( &pixels, name, rgb, error );
     if ( result == RF_OK )
     {
         *width = pixels.width;
@@ -239,10 +231,8 @@ RfResult rf_load_environment_map( const char* path, int* width, int* height, flo
     *rgb = NULL;
     uint8_t* bytes;
     size_t size;
-    RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_decode_environment_map( bytes, size, path, width, height, rgb, outside, error );
+    RF_TRY( rf_read_file( path, MAX_FILE_BYTES, &bytes, &size, error ) );
+    RfResult result = rf_decode_environment_map( bytes, size, path, width, height, rgb, outside, error );
     free( bytes );
     return result;
 }

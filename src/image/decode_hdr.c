@@ -60,9 +60,7 @@ RfResult rf_decode_hdr( const RfEncoded* in, RfPixels* out, RfError* error )
     out->type = RF_PIXELS_FLOAT;
     out->channels = 3;
     // for its checks; stb_image allocates its own memory
-    RfResult result = rf_create_pixels( in, width, height, out, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_create_pixels( in, width, height, out, error ) );
     free( out->data );
     Source source = { .in = in };
     stbi_io_callbacks io = { read_bytes, skip_bytes, at_end };

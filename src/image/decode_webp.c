@@ -34,9 +34,7 @@ RfResult rf_decode_webp( const RfEncoded* in, RfPixels* out, RfError* error )
         return rf_fail( error, RF_ERROR_UNSUPPORTED, "%s: animated WebP is not supported: store one of its images", in->name );
     out->type = RF_PIXELS_U8;
     out->channels = config.input.has_alpha ? 4 : 3;
-    RfResult result = rf_create_pixels( in, config.input.width, config.input.height, out, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_create_pixels( in, config.input.width, config.input.height, out, error ) );
     config.output.colorspace = config.input.has_alpha ? MODE_RGBA : MODE_RGB;
     config.output.is_external_memory = 1;
     config.output.u.RGBA.rgba = out->data;

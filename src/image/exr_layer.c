@@ -138,9 +138,7 @@ RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_
                                        text, remedy == RF_REMEDY_NONE ? ": keep one" : "" ),
                               remedy, 0, error );
         channels->count = layers == 0 ? 0 : 3;
-        RfResult result = layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK;
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( layers == 0 ? find_luminance( stream, list, channels, error ) : RF_OK );
     }
     RfResult result = RF_OK;
     for ( int c = 0; c < channels->count && result == RF_OK; ++c )
@@ -198,10 +196,8 @@ static bool find_exr_layer( const RfExrPart* part, const char* layer, RfExrChann
 static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, RfExrChannels* channels, RfError* error )
 {
     *channels = ( RfExrChannels ){ 0 };
-    RfResult result = rf_open_exr_part( stream, index, part, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_find_exr_channels( stream, part->channels, RF_REMEDY_LAYER, channels, error );
+    RF_TRY( rf_open_exr_part( stream, index, part, error ) );
+    RfResult result = rf_find_exr_channels( stream, part->channels, RF_REMEDY_LAYER, channels, error );
     if ( result != RF_OK )
         rf_close_exr_part( part );
     return result;
@@ -385,12 +381,10 @@ RfResult rf_read_exr_picture( const char* path, const char* layer, RfImage* imag
     *image = ( RfImage ){ 0 };
     *clipped = 0;
     RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
     RfExrPart part;
     RfExrChannels channels;
-    result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
+    RfResult result = rf_open_exr_layer( &stream, layer, &part, &channels, error );
     if ( result == RF_OK )
     {
         result = read_image( &part, &channels, image, clipped, NULL, error );
@@ -407,10 +401,8 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConver
     RfExrChannels channels;
     size_t clipped;
     *image = ( RfImage ){ 0 };
-    RfResult result = rf_open_exr_part( stream, 0, &part, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
+    RF_TRY( rf_open_exr_part( stream, 0, &part, error ) );
+    RfResult result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
     if ( result == RF_OK )
         result = read_image( &part, &channels, image, &clipped, conversion, error );
     rf_close_exr_part( &part );
@@ -422,10 +414,8 @@ RfResult rf_read_exr( const char* path, RfImage* image, RfError* error )
     RfExrStream stream;
     RfColourConversion conversion;
     *image = ( RfImage ){ 0 };
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
-    result = rf_read_exr_stream( &stream, image, &conversion, error );
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
+    RfResult result = rf_read_exr_stream( &stream, image, &conversion, error );
     close( stream.fd );
     if ( result == RF_OK )
         rf_convert_colours( &conversion, RF_COLOUR_LIGHT, image->rgb, (size_t)image->width * (size_t)image->height, 3 );
@@ -479,12 +469,10 @@ static RfResult find_colours( const RfExrPart* part, const RfExrName* const* wan
 static RfResult read_part( RfExrStream* stream, int index, const RfExrName* const* wanted, Interleaved* to, RfError* error )
 {
     RfExrPart part;
-    RfResult result = rf_open_exr_part( stream, index, &part, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_part( stream, index, &part, error ) );
     for ( int i = 0; i < to->count; ++i )
         to->half[to->places[i]] = is_half_channel( &part, to->names[i] );
-    result = find_colours( &part, wanted, to, error );
+    RfResult result = find_colours( &part, wanted, to, error );
     if ( result == RF_OK )
         result = rf_read_exr_lines( &part, to->names, to->count, take_channel, to, error );
     rf_close_exr_part( &part );
@@ -539,11 +527,10 @@ static RfResult read_wanted( const char* path, const RfExrName* const* wanted, i
 {
     const RfExrWindow* window = &wanted[0]->window;
     RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
     Interleaved to = { .width = window->width, .channels = count };
     to.values = malloc( (size_t)window->width * (size_t)window->height * (size_t)count * sizeof( float ) );
+    RfResult result = RF_OK;
     if ( to.values == NULL )
         result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for %dx%d pixels", path, window->width, window->height );
     else
@@ -572,10 +559,8 @@ RfResult rf_read_exr_values( const char* path, const char* const* names, int cou
         return rf_fail( error, RF_ERROR_USAGE, "%s: cannot read %d channels: ask for 1 to %d", path, count, RF_EXR_MAX_CHANNELS );
     RfExrHeader header;
     const RfExrName* wanted[RF_EXR_MAX_CHANNELS];
-    RfResult result = rf_read_exr_header( path, NULL, &header, error );
-    if ( result != RF_OK )
-        return result;
-    result = find_wanted( path, &header, names, count, wanted, error );
+    RF_TRY( rf_read_exr_header( path, NULL, &header, error ) );
+    RfResult result = find_wanted( path, &header, names, count, wanted, error );
     if ( result == RF_OK )
         result = read_wanted( path, wanted, count, values, clipped, error );
     if ( result == RF_OK )

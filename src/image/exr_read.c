@@ -225,9 +225,7 @@ static RfResult read_scanlines( Reader* reader, RfError* error )
                                              &chunk );
         if ( code != EXR_ERR_SUCCESS )
             return rf_fail_exr( reader->part->stream, code, "its pixels cannot be read", error );
-        RfResult result = read_chunk( reader, &chunk, 0, y, error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( read_chunk( reader, &chunk, 0, y, error ) );
     }
     return RF_OK;
 }
@@ -247,9 +245,7 @@ static RfResult read_tiles( Reader* reader, RfError* error )
                                              0, 0, &chunk );
             if ( code != EXR_ERR_SUCCESS )
                 return rf_fail_exr( reader->part->stream, code, "its tiles cannot be read", error );
-            RfResult result = read_chunk( reader, &chunk, x, y, error );
-            if ( result != RF_OK )
-                return result;
+            RF_TRY( read_chunk( reader, &chunk, x, y, error ) );
         }
     }
     return RF_OK;
@@ -260,9 +256,7 @@ static RfResult read_lines( Reader* reader, RfError* error )
     const RfExrPart* part = reader->part;
     for ( int c = 0; c < reader->count; ++c )
     {
-        RfResult result = rf_check_exr_channel( part->stream, part->channels, reader->names[c], error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( rf_check_exr_channel( part->stream, part->channels, reader->names[c], error ) );
     }
     reader->line = malloc( (size_t)part->width * sizeof( float ) );
     if ( reader->line == NULL )
@@ -329,9 +323,8 @@ RfResult rf_verify_exr( const char* path, bool* same, RfError* error )
 {
     RfExrStream stream;
     *same = true;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
+    RfResult result = RF_OK;
     for ( int i = 0, count = 1; i < count && ( result == RF_OK || result == RF_ERROR_UNSUPPORTED ); ++i )
     {
         RfError reason = { 0 };
@@ -390,11 +383,10 @@ RfResult rf_read_exr_string( const char* path, const char* name, char* value, si
     if ( size > 0 )
         value[0] = 0;
     RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
     exr_context_t context = NULL;
     exr_result_t code = rf_start_exr( &stream, &context );
+    RfResult result = RF_OK;
     if ( code != EXR_ERR_SUCCESS )
         result = rf_fail_exr( &stream, code, "not a readable EXR file", error );
     else
@@ -539,11 +531,9 @@ RfResult rf_read_exr_header( const char* path, const char* layer, RfExrHeader* h
 {
     *header = ( RfExrHeader ){ 0 };
     RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
     RfExrPart part;
-    result = open_part( &stream, layer, &part, error );
+    RfResult result = open_part( &stream, layer, &part, error );
     if ( result == RF_OK )
     {
         result = read_windows( &part, header, error );
@@ -590,11 +580,9 @@ const RfExrName* rf_find_exr_name( const RfExrHeader* header, const char* name, 
 RfResult rf_list_exr_strings( const char* path, RfExrStringFn* take, void* user, RfError* error )
 {
     RfExrStream stream;
-    RfResult result = rf_open_exr_file( path, &stream, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_file( path, &stream, error ) );
     RfExrPart part;
-    result = rf_open_exr_part( &stream, 0, &part, error );
+    RfResult result = rf_open_exr_part( &stream, 0, &part, error );
     int32_t count = 0;
     if ( result == RF_OK )
         exr_get_attribute_count( part.context, 0, &count );

@@ -123,9 +123,7 @@ static RfResult verify_part( const Writer* writer, int index, RfError* error )
     const Part* written = writer->parts + index;
     RfExrStream stream = { .path = writer->stream.path, .fd = writer->stream.fd };
     RfExrPart part;
-    RfResult result = rf_open_exr_part( &stream, index, &part, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_exr_part( &stream, index, &part, error ) );
     const RfImage* size = writer->image;
     const char* names[RF_EXR_MAX_CHANNELS];
     for ( int c = 0; c < written->count; ++c )
@@ -138,6 +136,7 @@ static RfResult verify_part( const Writer* writer, int index, RfError* error )
         .same = part.width == size->width && part.height == size->height,
     };
     bool same = true;
+    RfResult result = RF_OK;
     if ( check.same )
         result = rf_verify_exr_lines( &part, names, written->count, compare_line, &check, &same, error );
     bool within = is_dwa_within( &check, &part, written->count, writer->options->dwa_level );
@@ -701,19 +700,13 @@ static RfResult write_checksums( Writer* writer, RfError* error )
 
 RfResult rf_write_exr( const char* path, const RfImage* image, const RfExrOptions* options, RfError* error )
 {
-    RfResult result = check_options( path, image, options, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_options( path, image, options, error ) );
     Writer writer = { .stream = { .path = path }, .image = image, .options = options };
-    result = list_channels( &writer, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( list_channels( &writer, error ) );
     RfAtomicFile file;
-    result = rf_open_atomic_file( path, &file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_atomic_file( path, &file, error ) );
     writer.stream.fd = file.fd;
-    result = write_stream( &writer, error );
+    RfResult result = write_stream( &writer, error );
     if ( result == RF_OK )
         result = write_checksums( &writer, error );
     for ( int p = 0; p < writer.part_count && result == RF_OK; ++p )

@@ -161,9 +161,7 @@ static RfResult read_header( Reader* reader )
     jpeg->dct_method = JDCT_ISLOW;
     reader->out->type = RF_PIXELS_U8;
     reader->out->channels = grey ? 1 : 3;
-    RfResult result = rf_check_sides( reader->in, jpeg->image_width, jpeg->image_height, reader->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_check_sides( reader->in, jpeg->image_width, jpeg->image_height, reader->error ) );
     if ( (size_t)jpeg->image_width * jpeg->image_height / MAX_PIXELS_PER_BYTE > reader->in->size )
         return rf_fail( reader->error, RF_ERROR_FORMAT, "%s: damaged JPEG: truncated", reader->in->name );
     return rf_create_pixels( reader->in, jpeg->image_width, jpeg->image_height, reader->out, reader->error );

@@ -270,10 +270,8 @@ static RfResult read_header( Reader* reader )
     // our own check of the size has a better message than libpng's
     png_set_user_limits( png, 0x7fffffff, 0x7fffffff );
     png_read_info( png, reader->info );
-    RfResult result = rf_check_sides( reader->in, png_get_image_width( png, reader->info ),
-                                      png_get_image_height( png, reader->info ), reader->error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_check_sides( reader->in, png_get_image_width( png, reader->info ), png_get_image_height( png, reader->info ),
+                            reader->error ) );
     png_set_expand( png ); // palettes and tRNS to RGB and alpha, fewer than 8 bits to 8
     int depth = png_get_bit_depth( png, reader->info );
     if ( depth == 16 )

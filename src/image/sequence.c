@@ -68,9 +68,7 @@ static RfResult check_pattern( const char* pattern, const Pattern* parts, RfErro
 RfResult rf_sequence_name( const char* pattern, int frame, char* name, size_t size, RfError* error )
 {
     Pattern parts = split( pattern );
-    RfResult result = check_pattern( pattern, &parts, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_pattern( pattern, &parts, error ) );
     int length;
     if ( parts.run == NULL )
         length = snprintf( name, size, "%s", pattern );
@@ -154,9 +152,7 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
     *frames = NULL;
     *count = 0;
     Pattern parts = split( pattern );
-    RfResult result = check_pattern( pattern, &parts, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_pattern( pattern, &parts, error ) );
     if ( parts.run == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has no '#' that stands for the frame", pattern );
     size_t length = (size_t)( parts.base - pattern );
@@ -170,7 +166,7 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
     free( path );
     if ( folder == NULL )
         return rf_fail_io( pattern, "its folder cannot be read", failure, error );
-    result = list_folder( pattern, &parts, folder, frames, count, error );
+    RfResult result = list_folder( pattern, &parts, folder, frames, count, error );
     closedir( folder );
     if ( result != RF_OK )
     {

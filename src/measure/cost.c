@@ -229,9 +229,7 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     asked.aovs &= ~RF_PASS_AOVS;
     asked.light_groups = NULL;
     RfRenderSettings *plain = s->settings, *reuse = s->settings + 1;
-    RfResult result = rf_resolve_settings( &job->shot, &asked, reuse, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_resolve_settings( &job->shot, &asked, reuse, error ) );
     *plain = *reuse;
     plain->estimator = rf_default_render_settings().estimator;
     plain->group = 0;
@@ -353,9 +351,7 @@ static RfResult run_round( CostStudy* s, RfError* error )
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, s->passes );
     s->runs.first = s->round * RF_COST_POSITIONS + 1;
-    RfResult result = rf_run_trials( &s->runs, tasks, 2, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_run_trials( &s->runs, tasks, 2, error ) );
     for ( int i = 0; i < 2 * s->cost->positions; ++i )
         add_trial( s, i % 2, i / 2, s->runs.trials + i );
     s->round += 1;

@@ -110,9 +110,7 @@ RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, R
     };
     for ( int c = 0; c < 3; ++c )
     {
-        RfResult result = find_one( path, header, tails[c], RF_REMEDY_NONE, layers->variance + c, error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( find_one( path, header, tails[c], RF_REMEDY_NONE, layers->variance + c, error ) );
     }
     if ( layers->variance[0] == NULL || layers->variance[1] == NULL || layers->variance[2] == NULL )
         memset( layers->variance, 0, sizeof layers->variance );
@@ -268,10 +266,8 @@ static RfResult read_colour( const char* path, const RfFlickerLayers* layers, co
                              RfFlickerFrame* frame, RfError* error )
 {
     RfExrWindow window;
-    RfResult result = rf_read_exr_picture( path, layers->colour, &frame->signal, &window, &frame->clipped, error );
-    return result == RF_OK ? check_window( path, &window, first_path, first,
-                                           "all frames of a sequence need the same size and data window", error )
-                           : result;
+    RF_TRY( rf_read_exr_picture( path, layers->colour, &frame->signal, &window, &frame->clipped, error ) );
+    return check_window( path, &window, first_path, first, "all frames of a sequence need the same size and data window", error );
 }
 
 RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers, const RfExrHeader* first, const char* first_path,
@@ -279,13 +275,11 @@ RfResult rf_read_flicker_frame( const char* path, const RfFlickerLayers* layers,
 {
     *frame = ( RfFlickerFrame ){ 0 };
     RfExrHeader header;
-    RfResult result = rf_read_exr_header( path, layers->colour, &header, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_exr_header( path, layers->colour, &header, error ) );
     take_camera( &header, frame );
     if ( rf_read_exr_string( path, "reframe/shot", frame->shot, sizeof frame->shot, NULL ) != RF_OK )
         frame->shot[0] = '\0';
-    result = read_colour( path, layers, first, first_path, frame, error );
+    RfResult result = read_colour( path, layers, first, first_path, frame, error );
     if ( result == RF_OK )
         result = read_layers( path, layers, &header, frame, error );
     rf_destroy_exr_header( &header );
@@ -355,9 +349,7 @@ static RfResult check_frames( const RfFlickerRun* run, RfError* error )
     }
     for ( int i = 0; i < run->frame_count && run->reference != NULL; ++i )
     {
-        RfResult result = rf_sequence_name( run->reference, frames[i], path, sizeof path, error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( rf_sequence_name( run->reference, frames[i], path, sizeof path, error ) );
         if ( access( path, F_OK ) != 0 )
             return rf_fail( error, RF_ERROR_IO, "%.400s: is missing: the reference needs frame %d, which %.400s has", path,
                             frames[i], run->pattern );
@@ -367,9 +359,8 @@ static RfResult check_frames( const RfFlickerRun* run, RfError* error )
 
 RfResult rf_open_flicker_run( RfFlickerRun* run, RfError* error )
 {
-    RfResult result = check_frames( run, error );
-    return result == RF_OK ? rf_sequence_name( run->pattern, run->frames[0], run->first_path, sizeof run->first_path, error )
-                           : result;
+    RF_TRY( check_frames( run, error ) );
+    return rf_sequence_name( run->pattern, run->frames[0], run->first_path, sizeof run->first_path, error );
 }
 
 void rf_close_flicker_run( RfFlickerRun* run )
@@ -402,9 +393,7 @@ static RfResult take_images( RfFlickerRun* run, int i, RfFlickerFrame* frame, co
 {
     bool has_reference = reference->rgb != NULL;
     size_t before = count_not_finite( &run->summary );
-    RfResult result = rf_summary_add( &run->summary, &frame->signal, has_reference ? reference : &frame->signal, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_summary_add( &run->summary, &frame->signal, has_reference ? reference : &frame->signal, error ) );
     frame->number = run->frames[i];
     frame->is_finite = count_not_finite( &run->summary ) == before;
     if ( run->slit != NULL )

@@ -322,9 +322,7 @@ static RfResult check_frame( const RfErrorSummary* summary, const RfImage* image
 
 RfResult rf_summary_add( RfErrorSummary* summary, const RfImage* image, const RfImage* reference, RfError* error )
 {
-    RfResult result = check_frame( summary, image, reference, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( check_frame( summary, image, reference, error ) );
     int width = summary->width, columns = blocks_of( width );
     rf_relmse_denominators( reference->rgb, width, summary->height, summary->below );
     for ( int y = 0; y < summary->height; ++y )

@@ -139,9 +139,7 @@ RfResult rf_choose_crops( const RfEye* eyes, int frames, double pixels, uint64_t
     *crops = NULL;
     if ( (double)width * height * RF_CROPS > MOST * film * frames )
         return RF_OK;
-    RfResult result = cut_crops( width, height, pieces, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( cut_crops( width, height, pieces, error ) );
     *crops = malloc( RF_CROPS * sizeof **crops );
     if ( *crops == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for windows of %d frames", frames );

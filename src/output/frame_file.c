@@ -183,8 +183,8 @@ RfResult rf_prepare_output_folder( const char* pattern, RfError* error )
     size_t length = pattern != NULL ? strlen( pattern ) : 0;
     if ( length == 0 || pattern[length - 1] == '/' )
         return rf_fail( error, RF_ERROR_USAGE, "'%s' names no file", pattern != NULL ? pattern : "" );
-    RfResult result = rf_sequence_name( pattern, 1, name, sizeof name, error );
-    return result == RF_OK ? rf_try_output_file( pattern, error ) : result;
+    RF_TRY( rf_sequence_name( pattern, 1, name, sizeof name, error ) );
+    return rf_try_output_file( pattern, error );
 }
 
 void rf_clean_output_folder( const char* pattern )
@@ -314,9 +314,7 @@ RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileStat
     char name[MAX_NAME], found[64], wanted[RF_FINGERPRINT_SIZE];
     struct stat status;
     *state = RF_FRAME_FILE_MISSING;
-    RfResult result = rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_sequence_name( output->pattern, rf_frame_number( output->path, frame ), name, sizeof name, error ) );
     if ( stat( name, &status ) != 0 )
         return errno == ENOENT ? RF_OK : rf_fail( error, RF_ERROR_IO, "%s: cannot be looked at: %s", name, strerror( errno ) );
     if ( S_ISDIR( status.st_mode ) ) // reported before the work, and no matter what may be replaced
@@ -329,7 +327,7 @@ RfResult rf_check_frame_file( const RfOutput* output, int frame, RfFrameFileStat
     if ( strcmp( found, wanted ) != 0 || !is_same_format( output, name ) )
         return RF_OK;
     bool same;
-    result = rf_verify_exr( name, &same, error );
+    RfResult result = rf_verify_exr( name, &same, error );
     *state = result == RF_OK && same ? RF_FRAME_FILE_SAME : RF_FRAME_FILE_DAMAGED;
     return result == RF_ERROR_MEMORY ? result : RF_OK;
 }
@@ -630,13 +628,9 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     list_attributes( output, frame, &attributes );
     const bool still[2] = { has_same_eye( output->path, frame->frame, frame->frame - 1 ),
                             has_same_eye( output->path, frame->frame, frame->frame + 1 ) };
-    result = list_pass_channels( frame, &output->settings.files, still, &passes, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( list_pass_channels( frame, &output->settings.files, still, &passes, error ) );
     MatteStrings mattes;
-    result = make_matte_strings( output, &mattes, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( make_matte_strings( output, &mattes, error ) );
     for ( int i = 0; i < mattes.count; ++i )
         attributes.strings[attributes.count++] = mattes.strings[i];
     RfExrOptions exr = rf_default_exr_options();

@@ -54,9 +54,7 @@ static void put_until( RfPage* page, const char* mark )
 RfResult rf_open_page( const char* path, const char* title, RfPage* page, RfError* error )
 {
     *page = ( RfPage ){ .rest = rf_page_html, .error = error };
-    RfResult result = rf_open_atomic_file( path, &page->file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_atomic_file( path, &page->file, error ) );
     put_until( page, "{{title}}" );
     put_escaped( page, title, escape_html );
     put_until( page, "{{style}}" );

@@ -390,12 +390,11 @@ RfResult rf_encode_values( const RfImage* image, int factor, const char* name, u
     *bytes = NULL;
     *size = 0;
     RfImage small = { 0 };
-    RfResult result = factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK;
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( factor > 1 ? rf_shrink_image( image, factor, &small, error ) : RF_OK );
     const RfImage* from = factor > 1 ? &small : image;
     size_t count = 3 * (size_t)from->width * (size_t)from->height;
     *bytes = malloc( RF_VALUES_HEADER_BYTES + 2 * count );
+    RfResult result = RF_OK;
     if ( *bytes != NULL )
     {
         unsigned char* out = put16( *bytes, factor );

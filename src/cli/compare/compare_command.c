@@ -361,8 +361,8 @@ static RfResult check_diff( const Compare* compare, RfError* error )
     if ( compare->in.count > 1 && !rf_is_sequence( compare->diff ) )
         return rf_fail( error, RF_ERROR_USAGE, "--diff: %d frames need a name with ####, got '%s'", compare->in.count,
                         compare->diff );
-    RfResult result = check_diff_names( compare, compare->in.in, error );
-    return result == RF_OK ? check_diff_names( compare, compare->in.in + 1, error ) : result;
+    RF_TRY( check_diff_names( compare, compare->in.in, error ) );
+    return check_diff_names( compare, compare->in.in + 1, error );
 }
 
 // Turns the image into the signed difference, and writes it.
@@ -371,9 +371,7 @@ static RfResult write_diff( const Compare* compare, int frame, ComparePair* pair
     RfImage* image = pair->images;
     const RfImage* reference = pair->images + 1;
     char name[RF_FILE_NAME_SIZE];
-    RfResult result = diff_name( compare, frame, name, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( diff_name( compare, frame, name, error ) );
     size_t count = 3 * (size_t)image->width * (size_t)image->height;
     for ( size_t i = 0; i < count; ++i )
         image->rgb[i] -= reference->rgb[i];
@@ -494,12 +492,10 @@ static RfResult run( void* user, RfError* error )
     compare->table = rf_prints_text( compare->json );
     if ( compare->in.layers[1] == NULL )
         compare->in.layers[1] = compare->in.layers[0];
-    RfResult result = find_compare_frames( &compare->in, error );
-    if ( result == RF_OK )
-        result = check_diff( compare, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( find_compare_frames( &compare->in, error ) );
+    RF_TRY( check_diff( compare, error ) );
     compare->rows = json_array();
+    RfResult result = RF_OK;
     for ( int i = 0; i < compare->in.count && result == RF_OK; ++i )
     {
         result = compare_frame( compare, frame_number( &compare->in, i ), error );

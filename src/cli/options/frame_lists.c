@@ -294,11 +294,8 @@ static RfResult resolve( long written, bool is_own, const Numbers* numbers, long
 static RfResult mark_range( RfFrameRange range, const Numbers* numbers, bool* wanted, RfError* error )
 {
     long first, last;
-    RfResult result = resolve( range.first, range.is_own, numbers, &first, error );
-    if ( result == RF_OK )
-        result = resolve( range.last, range.is_own, numbers, &last, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( resolve( range.first, range.is_own, numbers, &first, error ) );
+    RF_TRY( resolve( range.last, range.is_own, numbers, &last, error ) );
     if ( first > last )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: %ld-%ld runs backwards, frame %ld comes after frame %ld", range.first,
                         range.last, first, last );
@@ -405,9 +402,8 @@ static bool is_file( const char* path )
 static RfResult choose_frames( const char* list, RfSequenceInput* input, RfError* error )
 {
     int *wanted, count;
-    RfResult result = rf_parse_frames( list, input->frames, input->count, &wanted, &count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_parse_frames( list, input->frames, input->count, &wanted, &count, error ) );
+    RfResult result = RF_OK;
     for ( int i = 0, next = 0; i < count && result == RF_OK; ++i )
     {
         while ( next < input->count && input->frames[next] < wanted[i] )
@@ -425,9 +421,7 @@ RfResult rf_warn_of_missing( const RfSequenceInput* input, RfLog* log, RfError* 
 {
     int *missing, count;
     char text[256];
-    RfResult result = rf_missing_frames( input->frames, input->count, &missing, &count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_missing_frames( input->frames, input->count, &missing, &count, error ) );
     rf_format_frames( missing, count, text, sizeof text );
     if ( count > 0 )
         rf_warn( log, "%s: lacks frame%s %s", input->pattern, count == 1 ? "" : "s", text );
@@ -448,9 +442,7 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
         return result;
     if ( !input->is_sequence )
         return list == NULL ? RF_OK : rf_fail( error, RF_ERROR_USAGE, "--frames: needs a sequence, and %s is a file", from );
-    result = rf_sequence_frames( input->pattern, &input->frames, &input->count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_sequence_frames( input->pattern, &input->frames, &input->count, error ) );
     input->first = input->frames[0];
     return list != NULL ? choose_frames( list, input, error ) : RF_OK;
 }

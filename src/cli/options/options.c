@@ -194,9 +194,7 @@ static RfResult check_written_files( const RfCommandTable* table, const char* co
     for ( int i = 0; i < count; ++i )
     {
         bool is_tried = named[i].option != NULL && named[i].path != NULL && named[i].writes != NULL && named[i].writes[0] != '\0';
-        RfResult result = is_tried ? try_file( named + i, error ) : RF_OK;
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( is_tried ? try_file( named + i, error ) : RF_OK );
     }
     return RF_OK;
 }

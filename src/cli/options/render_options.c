@@ -342,12 +342,10 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 {
     RfEffect rows[RF_MAX_EFFECTS];
     RfRenderOptions parsed = *options;
-    RfResult result = parse_effect_options( &parsed, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( parse_effect_options( &parsed, error ) );
     uint64_t forced = options->effects == RF_EFFECTS_ALL ? rf_forcible_effects() & ~parsed.left_out : 0;
     int count = parsed.left_out != 0 ? rf_list_render_effects( scene, NULL, 0, &options->settings, rows ) : 0;
-    result = rf_choose_effects( scene, forced, parsed.left_out, error );
+    RfResult result = rf_choose_effects( scene, forced, parsed.left_out, error );
     for ( int i = 0; i < count && result == RF_OK; ++i )
     {
         if ( ( parsed.left_out & RF_EFFECT_BIT( rows[i].id ) ) != 0 )
@@ -705,6 +703,6 @@ RfResult rf_check_file_light_groups( const RfRenderOptions* options, const RfSce
 RfResult rf_parse_render_options_over( const RfField* defaults, int argc, char** argv, RfRenderOptions* options, RfError* error )
 {
     bool help;
-    RfResult result = rf_read_render_defaults( defaults, options );
-    return result == RF_OK ? parse( argc, argv, options, &help, error ) : result;
+    RF_TRY( rf_read_render_defaults( defaults, options ) );
+    return parse( argc, argv, options, &help, error );
 }

@@ -61,8 +61,8 @@ typedef struct PngFile
 static RfResult open_file( const char* path, PngFile* file, RfError* error )
 {
     *file = ( PngFile ){ .path = path };
-    RfResult result = rf_read_exr_header( path, NULL, &file->header, error );
-    return result == RF_OK ? rf_list_passes( &file->header, &file->passes, error ) : result;
+    RF_TRY( rf_read_exr_header( path, NULL, &file->header, error ) );
+    return rf_list_passes( &file->header, &file->passes, error );
 }
 
 static void close_file( PngFile* file )
@@ -293,9 +293,7 @@ static RfResult add_range( PngPicture* picture, const PngFile* file, bool is_fir
     RfExrWindow window;
     if ( pass == NULL )
         return RF_OK; // the error comes with its frame
-    RfResult result = rf_read_passes( file->path, pass, 1, &window, &values, &stride, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_read_passes( file->path, pass, 1, &window, &values, &stride, error ) );
     RfLookRange range = rf_pass_range( pass, values, (size_t)stride, (size_t)window.width * (size_t)window.height );
     free( values );
     picture->range.low = is_first ? range.low : fminf( picture->range.low, range.low );
@@ -334,8 +332,8 @@ static RfResult find_kind( PngPicture* picture, const PngFile* file, RfError* er
     if ( picture->layer != NULL || picture->matte != NULL )
         return rf_fail( error, RF_ERROR_USAGE, "--mix: shows the light groups: leave out --%s",
                         picture->layer != NULL ? "layer" : "matte" );
-    RfResult result = parse_factors( picture, error );
-    return result == RF_OK ? check_groups( picture, file, error ) : result;
+    RF_TRY( parse_factors( picture, error ) );
+    return check_groups( picture, file, error );
 }
 
 // Finds in the first of `count` files what is shown, and the range of its values in all of them. Fails with RF_ERROR_USAGE for what
@@ -522,10 +520,9 @@ static RfResult name_output( const char* to, Job* job, RfError* error )
 static RfResult convert_frame( const Job* job, int frame, RfError* error )
 {
     char from[RF_FILE_NAME_SIZE], to[RF_FILE_NAME_SIZE];
-    RfResult result = rf_sequence_input_name( &job->from, frame, from, error );
-    if ( result == RF_OK )
-        result = rf_sequence_name( job->to, frame, to, sizeof to, error );
-    return result == RF_OK ? write_png_picture( &s_picture, from, to, error ) : result;
+    RF_TRY( rf_sequence_input_name( &job->from, frame, from, error ) );
+    RF_TRY( rf_sequence_name( job->to, frame, to, sizeof to, error ) );
+    return write_png_picture( &s_picture, from, to, error );
 }
 
 // The first frame, the one in the middle and the last stand for all.
@@ -574,10 +571,9 @@ static RfResult open_picture( Job* job, RfError* error )
 {
     Samples samples;
     s_picture.data_window = s_window == 1;
-    RfResult result = choose_samples( &job->from, &samples, error );
-    if ( result == RF_OK )
-        result = find_png_picture( &s_picture, samples.paths, samples.count, error );
-    return result == RF_OK ? open_view( job, &samples, error ) : result;
+    RF_TRY( choose_samples( &job->from, &samples, error ) );
+    RF_TRY( find_png_picture( &s_picture, samples.paths, samples.count, error ) );
+    return open_view( job, &samples, error );
 }
 
 static RfResult run( void* user, RfError* error )

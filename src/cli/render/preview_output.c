@@ -137,11 +137,9 @@ static void stop_http_server( RfHttpServer* server ) { MHD_stop_daemon( server->
 static RfResult write_file( const char* name, const void* bytes, size_t size, RfError* error )
 {
     RfAtomicFile file;
-    RfResult result = rf_open_atomic_file( name, &file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_atomic_file( name, &file, error ) );
     file.unsynced = true; // the next replaces it
-    result = rf_append_atomic_file( &file, bytes, size, error );
+    RfResult result = rf_append_atomic_file( &file, bytes, size, error );
     return rf_end_atomic_file( &file, result, error );
 }
 

@@ -310,8 +310,8 @@ static RfResult resolve( RfRenderJob* job, RfError* error )
 {
     job->asked = job->options.settings;
     RfShot shot = shot_of( job );
-    RfResult result = rf_resolve_settings( &shot, &job->asked, &job->options.settings, error );
-    return result == RF_OK ? rf_fit_memory( &shot, &job->options.settings, &job->fit, error ) : result;
+    RF_TRY( rf_resolve_settings( &shot, &job->asked, &job->options.settings, error ) );
+    return rf_fit_memory( &shot, &job->options.settings, &job->fit, error );
 }
 
 // What the export lost changes the picture: said first, and with --quiet too.
@@ -327,10 +327,9 @@ static void print_losses( const RfRenderJob* job )
 
 static RfResult load_scene( RfRenderJob* job, RfError* error )
 {
-    RfResult result = rf_open_scene_file( job->options.scene, &job->file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_scene_file( job->options.scene, &job->file, error ) );
     RfField defaults = rf_scene_file_defaults( &job->file, error );
+    RfResult result = RF_OK;
     if ( defaults.json != NULL )
         result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
     if ( result == RF_OK )
@@ -369,22 +368,14 @@ static void list_effects( RfRenderJob* job )
 // With --check nothing is settled of the files.
 static RfResult load_render_job( RfRenderJob* job, RfError* error )
 {
-    RfResult result = load_scene( job, error );
-    if ( result == RF_OK )
-        result = rf_create_asked_path( &job->options, &job->scene, &job->path, &job->log, error );
-    if ( result == RF_OK )
-        result = rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( load_scene( job, error ) );
+    RF_TRY( rf_create_asked_path( &job->options, &job->scene, &job->path, &job->log, error ) );
+    RF_TRY( rf_choose_frames( job->options.frames, &job->file, &job->path, &job->frames, &job->frame_count, error ) );
     int asked_count = job->frame_count;
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
-    result = job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error );
-    if ( result == RF_OK )
-        result = rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error );
-    if ( result == RF_OK )
-        result = resolve( job, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error ) );
+    RF_TRY( rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error ) );
+    RF_TRY( resolve( job, error ) );
     list_effects( job );
     job->output = output_of( job );
     RfError reason = { 0 };
@@ -392,7 +383,8 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
         return rf_fail( error, RF_ERROR_USAGE, "--timecode: %.1000s", reason.text );
     if ( job->options.check )
         return RF_OK;
-    result = rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, &job->log, error );
+    RfResult result =
+        rf_prepare_output( &job->output, &job->options, job->frames, &job->frame_count, job->kept, &job->log, error );
     RfFramesLeft left = { &job->output, job->frames, job->frame_count, job->kept, asked_count - job->frame_count };
     if ( result == RF_OK && left.count > 0 )
         result = rf_find_films( &left, &job->options, &job->log, &job->films, error );
@@ -476,9 +468,7 @@ static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
     while ( job->frames_done < job->frame_count && job->path.run_of_frame[job->frames[job->frames_done]] == run->frame )
     {
         frame.frame = job->frames[job->frames_done];
-        RfResult result = write_frame( job, &frame, same_as, error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( write_frame( job, &frame, same_as, error ) );
         same_as = same_as < 0 ? frame.frame : same_as;
         frame.seconds = 0.0; // rendered once
         stop_flicker( &frame );
@@ -619,9 +609,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
 {
     if ( rf_is_interrupted() )
         return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted before the first frame" );
-    RfResult result = start_preview( job, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( start_preview( job, error ) );
     rf_clean_output_folder( job->options.output ); // killed in the midst of a file, a render leaves a part
     job->line = rf_create_progress_line( job->options.quiet );
     RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress, .save = on_save };
@@ -630,7 +618,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
     callbacks.saves = job->options.autosave > 0.0 ? on_saves : NULL;
     RfShot shot = shot_of( job );
     callbacks.preview = job->options.preview != NULL ? on_preview : NULL;
-    result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
+    RfResult result = rf_render( &shot, &job->options.settings, &callbacks, &job->stats, error );
     job->stats.missed = job->errors.missed; // of frames, not of runs
     job->stats.flicker_missed = job->errors.flicker_missed;
     rf_clear_progress( &job->line );

@@ -409,9 +409,7 @@ RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLo
         rf_warn( log, "--resume: %.900s: not used", reason.text );
     if ( options->overwrite || ( options->resume && state == RF_FILMS_OTHER_FRAMES ) )
         return RF_OK;
-    RfResult result = rf_films_file_name( left->output, left->frames[0], name, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_films_file_name( left->output, left->frames[0], name, error ) );
     if ( !options->resume )
         return rf_fail( error, RF_ERROR_IO,
                         "%s: films of an interrupted render exist: --resume continues from them, --overwrite "

@@ -382,14 +382,13 @@ static RfResult choose_frames( RfPageRun* report, RfError* error )
     int *wanted, count;
     if ( report->frame_list == NULL )
         return RF_OK;
-    RfResult result = rf_parse_frames( report->frame_list, report->numbers, report->count, &wanted, &count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_parse_frames( report->frame_list, report->numbers, report->count, &wanted, &count, error ) );
     report->count = keep_wanted( report->numbers, report->count, wanted, count );
     report->hole_count = keep_wanted( report->holes, report->hole_count, wanted, count );
     free( wanted );
     if ( report->count == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "--frames: '%s': none of these is there", report->frame_list );
+    RfResult result = RF_OK;
     return result;
 }
 
@@ -481,10 +480,9 @@ static RfResult add_view( const RfViewText* shown, RfPage* page, RfError* error 
     text.exposure = 0.0; // which the page has a slider for
     if ( text.transform[0] == '\0' )
         return RF_OK;
-    RfResult result = rf_open_view( &text, &view, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_view( &text, &view, error ) );
     unsigned char* cube = malloc( RF_VIEW_CUBE_BYTES );
+    RfResult result = RF_OK;
     if ( cube == NULL )
         result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the view" );
     else
@@ -516,10 +514,8 @@ static RfResult write_page( RfPageRun* report, uint64_t* bytes, RfError* error )
 {
     RfPage page;
     const char* title = title_of( report );
-    RfResult result = rf_open_page( report->output, title, &page, error );
-    if ( result != RF_OK )
-        return result;
-    result = add_tracks( report, &page, error );
+    RF_TRY( rf_open_page( report->output, title, &page, error ) );
+    RfResult result = add_tracks( report, &page, error );
     if ( result == RF_OK )
         result = add_view( &report->shown, &page, error );
     if ( result == RF_OK )
@@ -549,10 +545,9 @@ static RfResult run( void* user, RfError* error )
     RfPageRun* report = user;
     rf_catch_interrupts();
     uint64_t bytes;
-    RfResult result = prepare_page( report, error );
-    if ( result == RF_OK )
-        result = write_page( report, &bytes, error );
-    return result == RF_OK ? report_result( report, bytes, error ) : result;
+    RF_TRY( prepare_page( report, error ) );
+    RF_TRY( write_page( report, &bytes, error ) );
+    return report_result( report, bytes, error );
 }
 
 int rf_command_report( int argc, char** argv )

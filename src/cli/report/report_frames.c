@@ -235,11 +235,8 @@ static RfResult find_page_layers( Work* work, RfError* error )
     }
     if ( pictures == 0 || !( (double)track->run->passes / track->run->track_count > 0.0 ) )
         return RF_OK;
-    RfResult result = rf_sequence_input_name( &sequence->input, typical, work->path, error );
-    if ( result == RF_OK )
-        result = rf_list_passes( &sequence->header, &layers->passes, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_sequence_input_name( &sequence->input, typical, work->path, error ) );
+    RF_TRY( rf_list_passes( &sequence->header, &layers->passes, error ) );
     sort_out( &sequence->header, layers );
     if ( layers->count > 0 )
         choose_factor( &sequence->header, pictures, (double)track->run->passes / track->run->track_count, layers );
@@ -248,7 +245,7 @@ static RfResult find_page_layers( Work* work, RfError* error )
     if ( layers->ranges == NULL || layers->names == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its passes", sequence->input.pattern );
     bool whole;
-    result = visit_passes( work, work->path, take_range, &whole, error );
+    RfResult result = visit_passes( work, work->path, take_range, &whole, error );
     if ( result == RF_OK && !whole )
         result = visit_passes( work, sequence->first, take_range, &whole, error );
     if ( !whole )
@@ -321,13 +318,11 @@ static RfResult add_pass( Work* to, int pass, const float* values, int stride, R
     RfExrWindow window = rf_page_window( &to->track->sequence.header );
     RfImage image;
     char id[48];
-    RfResult result = rf_create_image( window.width, window.height, &image, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_create_image( window.width, window.height, &image, error ) );
     snprintf( id, sizeof id, "l%d-%d-%d", to->track->index, pass, to->number );
     rf_draw_pass( layers->passes.passes + pass, layers->ranges[pass], values, (size_t)stride,
                   (size_t)window.width * (size_t)window.height, image.rgb );
-    result = add_picture( to, id, &image, layers->factor, layers->bits, error );
+    RfResult result = add_picture( to, id, &image, layers->factor, layers->bits, error );
     rf_destroy_image( &image );
     return result == RF_OK && layers->names[pass].count > 0 ? add_names( to, pass, values, stride, error ) : result;
 }
@@ -386,12 +381,10 @@ static RfResult add_blocks( Work* to, const RfImage* image, bool* whole, RfError
     uint64_t before = to->page->raw, ends[3];
     char id[32];
     RfImage shown;
-    RfResult result = rf_create_image( window.width, window.height, &shown, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_create_image( window.width, window.height, &shown, error ) );
     crop( &track->sequence.header, image->rgb, 3, shown.rgb );
     rf_page_block_id( track, to->number, id );
-    result = add_picture( to, id, &shown, factor, RF_PICTURE_MAX_BITS, error );
+    RfResult result = add_picture( to, id, &shown, factor, RF_PICTURE_MAX_BITS, error );
     track->picture_bytes += to->page->raw - before;
     ends[0] = to->page->bytes;
     id[0] = 'v';
@@ -438,9 +431,7 @@ static size_t count_bad( const RfImage* image )
 static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame* frame, RfImage* reference, RfError* error )
 {
     RfErrorMetrics metrics;
-    RfResult result = rf_measure_frame( &work->errors, work->track->run->count, &frame->signal, reference, &metrics, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_measure_frame( &work->errors, work->track->run->count, &frame->signal, reference, &metrics, error ) );
     figures->relmse = metrics.relmse;
     size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
     for ( size_t i = 0; i < count; ++i )
@@ -490,9 +481,7 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
     bool pair = i > 0 && work->has_frame[0] && work->has_frame[1] && numbers[i] == numbers[i - 1] + 1;
     if ( !pair || rf_is_cut( now, before ) || !rf_has_flicker_layers( &work->layers, now, before ) )
         return RF_OK;
-    RfResult result = rf_measure_flicker( now, before, track->compensated, track->reference != NULL, &sums, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_measure_flicker( now, before, track->compensated, track->reference != NULL, &sums, error ) );
     RfFlickerMetrics metrics = rf_flicker_metrics( &sums );
     track->frames[i].phi = metrics.phi;
     track->frames[i].f1 = metrics.f1;
@@ -503,9 +492,7 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
 static RfResult read_reference( const RfPageTrack* track, int number, RfImage* image, RfError* error )
 {
     char path[RF_FILE_NAME_SIZE];
-    RfResult result = rf_sequence_input_name( &track->reference->sequence.input, number, path, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_sequence_input_name( &track->reference->sequence.input, number, path, error ) );
     return rf_read_aligned( path, track->reference->sequence.layer, &track->sequence.header, track->sequence.first, image,
                             error );
 }
@@ -522,13 +509,9 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     work->has_frame[i % 2] = false;
     if ( !rf_has_page_frame( &track->sequence, number ) )
         return RF_OK;
-    RfResult result = rf_sequence_input_name( &track->sequence.input, number, path, error );
-    if ( result == RF_OK )
-        result = rf_read_flicker_frame( path, &work->layers, &track->sequence.header, track->sequence.first, frame, error );
-    if ( result == RF_OK )
-        result = add_blocks( work, &frame->signal, &figures->has_layers, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_sequence_input_name( &track->sequence.input, number, path, error ) );
+    RF_TRY( rf_read_flicker_frame( path, &work->layers, &track->sequence.header, track->sequence.first, frame, error ) );
+    RF_TRY( add_blocks( work, &frame->signal, &figures->has_layers, error ) );
     figures->shown = true;
     figures->bad = count_bad( &frame->signal );
     frame->number = number;
@@ -540,6 +523,7 @@ static RfResult add_frame( Work* work, int i, RfError* error )
         figures->at_least = false;
     }
     RfImage reference = { 0 };
+    RfResult result = RF_OK;
     if ( track->reference != NULL && rf_has_page_frame( &track->reference->sequence, number ) )
         result = read_reference( track, number, &reference, error );
     bool has_reference = reference.rgb != NULL;

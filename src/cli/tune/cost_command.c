@@ -429,10 +429,9 @@ static RfResult settle( void* user, RfError* error )
     (void)user;
     rf_take_estimator_option( &s_given.render );
     rf_settle_filter( &s_given.render );
-    RfResult result = rf_parse_tile_option( &s_given.render, error );
-    if ( result == RF_OK )
-        result = parse_goals( "--noise", true, &s_noise, error );
-    return result == RF_OK ? parse_goals( "--flicker", false, &s_flicker, error ) : result;
+    RF_TRY( rf_parse_tile_option( &s_given.render, error ) );
+    RF_TRY( parse_goals( "--noise", true, &s_noise, error ) );
+    return parse_goals( "--flicker", false, &s_flicker, error );
 }
 
 static void say( void* user, const RfCost* cost, int spp )

@@ -126,9 +126,7 @@ static void keep_runs( RfCameraPath* path )
 static RfResult choose_runs( RfTrialCommand* c, RfError* error )
 {
     int count, runs;
-    RfResult result = rf_choose_frames( c->options->render.frames, &c->file, &c->path, &c->asked, &count, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_choose_frames( c->options->render.frames, &c->file, &c->path, &c->asked, &count, error ) );
     c->frames = rf_runs_of_frames( &c->path, c->asked, count, &runs );
     c->asked_runs = malloc( (size_t)count * sizeof( int ) );
     if ( c->frames == NULL || c->asked_runs == NULL )
@@ -149,10 +147,9 @@ static RfResult load( RfTrialCommand* c, RfError* error )
 {
     RfRenderOptions* options = &c->options->render;
     RfLog log = rf_stderr_log( c->table->command );
-    RfResult result = rf_open_scene_file( options->scene, &c->file, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_open_scene_file( options->scene, &c->file, error ) );
     RfField defaults = rf_scene_file_defaults( &c->file, error );
+    RfResult result = RF_OK;
     if ( defaults.json != NULL )
         result = parse( &defaults, c, error );
     if ( result == RF_OK )

@@ -46,9 +46,7 @@ static RfRenderSettings without_split( const RfRenderSettings* settings )
 static RfResult count_films( const RfShot* shot, const RfRenderSettings* settings, int* films, RfError* error )
 {
     RfLightGroups groups;
-    RfResult result = rf_find_light_groups( rf_tracer_scene( shot->tracer ), settings->light_groups, &groups, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_find_light_groups( rf_tracer_scene( shot->tracer ), settings->light_groups, &groups, error ) );
     *films = groups.count + __builtin_popcount( settings->aovs & RF_PASS_AOVS );
     rf_destroy_light_groups( &groups );
     return RF_OK;
@@ -83,11 +81,8 @@ static RfResult find_split_costs( const RfShot* shot, const RfRenderSettings* se
     RfResult result = count_films( shot, settings, &costs->films, error );
     if ( result != RF_OK || costs->films == 0 )
         return result;
-    result = rf_fit_memory( shot, settings, fit, error );
-    if ( result == RF_OK )
-        result = rf_fit_memory( shot, &plain, fit + 1, error );
-    if ( result != RF_OK )
-        return result;
+    RF_TRY( rf_fit_memory( shot, settings, fit, error ) );
+    RF_TRY( rf_fit_memory( shot, &plain, fit + 1, error ) );
     size_t of_batch = fit[0].bytes_hits / (size_t)fit[0].batches - fit[1].bytes_hits / (size_t)fit[1].batches;
     costs->bytes_films = fit[0].bytes_films > fit[1].bytes_films ? fit[0].bytes_films - fit[1].bytes_films : 0;
     costs->bytes_hits = of_batch * (size_t)fit[0].batches;
@@ -689,8 +684,8 @@ static RfResult finish( void* user, RfError* error )
         return RF_OK;
     asked.group = best != NULL ? best->group : job->plan.rows[job->plan.chosen].group;
     asked.tile = best != NULL ? best->tile : asked.tile;
-    RfResult result = rf_resolve_settings( &job->command.shot, &asked, &settings, error );
-    return result == RF_OK ? find_split_costs( &job->command.shot, &settings, best != NULL, &job->split, error ) : result;
+    RF_TRY( rf_resolve_settings( &job->command.shot, &asked, &settings, error ) );
+    return find_split_costs( &job->command.shot, &settings, best != NULL, &job->split, error );
 }
 
 // What is known without rendering. With short renders another tile may fit where this one does not.

@@ -78,9 +78,7 @@ RfResult rf_find_exposure( const char* const* paths, int count, double* stops, R
     for ( int i = 0; i < count; ++i )
     {
         RfImage image = { 0 };
-        RfResult result = rf_read_exr( paths[i], &image, error );
-        if ( result != RF_OK )
-            return result;
+        RF_TRY( rf_read_exr( paths[i], &image, error ) );
         add_light( &image, &sum, &pixels );
         rf_destroy_image( &image );
     }
