@@ -5,7 +5,7 @@
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "image/atomic_file.h"
-#include "image/png.h"
+#include "image/encode.h"
 #include "page/page_assets.h"
 #include "page/pass_groups.h"
 #include "scene/scene.h"
@@ -24,112 +24,6 @@
 
 #define IDLE_SECONDS 10u      // of a connection
 #define MOST_CONNECTIONS 128u // the render needs files, too
-
-// Another page that the browser shows could come here under a name of its own (DNS rebinding), but not under these.
-static bool is_for_us( const char* host )
-{
-    static const char* const names[] = { "127.0.0.1", "localhost" };
-    for ( size_t i = 0; i < sizeof names / sizeof names[0] && host != NULL; ++i )
-    {
-        size_t length = strlen( names[i] );
-        if ( strncasecmp( host, names[i], length ) == 0 && ( host[length] == ':' || host[length] == '\0' ) )
-            return true;
-    }
-    return false;
-}
-
-static enum MHD_Result queue( struct MHD_Connection* connection, unsigned status, const RfHttpReply* reply )
-{
-    struct MHD_IoVec parts[sizeof reply->sizes / sizeof reply->sizes[0]];
-    unsigned count = 0;
-    for ( size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i )
-    {
-        if ( reply->sizes[i] > 0 )
-            parts[count++] = ( struct MHD_IoVec ){ reply->parts[i], reply->sizes[i] };
-    }
-    struct MHD_Response* response = MHD_create_response_from_iovec( parts, count, free, reply->owned );
-    if ( response == NULL )
-    {
-        free( reply->owned );
-        return MHD_NO;
-    }
-    MHD_add_response_header( response, MHD_HTTP_HEADER_CONTENT_TYPE, reply->type );
-    MHD_add_response_header( response, MHD_HTTP_HEADER_CACHE_CONTROL, reply->stays ? "max-age=86400" : "no-store" );
-    MHD_add_response_header( response, "X-Content-Type-Options", "nosniff" );
-    MHD_add_response_header( response, MHD_HTTP_HEADER_CONNECTION, "close" );
-    enum MHD_Result result = MHD_queue_response( connection, status, response );
-    MHD_destroy_response( response );
-    return result;
-}
-
-static enum MHD_Result on_request( void* user, struct MHD_Connection* connection, const char* path, const char* method,
-                                   const char* version, const char* upload, size_t* upload_size, void** state )
-{
-    (void)version;
-    (void)upload;
-    (void)upload_size;
-    (void)state;
-    const RfHttpServer* server = user;
-    RfHttpReply reply = { .type = "text/plain" };
-    unsigned status = MHD_HTTP_OK;
-    rf_set_float_mode();
-    if ( strcmp( method, MHD_HTTP_METHOD_GET ) != 0 )
-        status = MHD_HTTP_METHOD_NOT_ALLOWED;
-    else if ( !is_for_us( MHD_lookup_connection_value( connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST ) ) )
-        status = MHD_HTTP_FORBIDDEN;
-    else if ( !server->answer( server->user, path, &reply ) )
-    {
-        status = MHD_HTTP_NOT_FOUND;
-        reply = ( RfHttpReply ){ .type = "text/plain", .owned = reply.owned };
-    }
-    return queue( connection, status, &reply );
-}
-
-static RfResult fail_port( int port, const char* what, RfError* error )
-{
-    if ( errno == EADDRINUSE )
-        return rf_fail( error, RF_ERROR_IO, "port %d: is in use: choose another, or 0 for any that is free", port );
-    return rf_fail( error, RF_ERROR_IO, "port %d: %s: %s: choose another", port, what, strerror( errno ) );
-}
-
-// libmicrohttpd would not say why it cannot.
-static RfResult listen_on( int port, int* listener, RfHttpServer* server, RfError* error )
-{
-    struct sockaddr_in address = { .sin_family = AF_INET,
-                                   .sin_port = htons( (uint16_t)port ),
-                                   .sin_addr = { .s_addr = htonl( INADDR_LOOPBACK ) } };
-    socklen_t size = sizeof address;
-    int one = 1;
-    *listener = socket( AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0 );
-    if ( *listener < 0 )
-        return fail_port( port, "no socket", error );
-    (void)setsockopt( *listener, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one );
-    if ( bind( *listener, (struct sockaddr*)&address, sizeof address ) != 0 || listen( *listener, 16 ) != 0 ||
-         getsockname( *listener, (struct sockaddr*)&address, &size ) != 0 )
-        return fail_port( port, "cannot be used", error );
-    server->port = ntohs( address.sin_port );
-    return RF_OK;
-}
-
-// Port 0: any that is free. The server may not be moved. server->port is the one in use. Fails with RF_ERROR_IO, where the port is in use, too.
-static RfResult start_http_server( int port, RfHttpAnswer* answer, void* user, RfHttpServer* server, RfError* error )
-{
-    int listener;
-    *server = ( RfHttpServer ){ .answer = answer, .user = user };
-    RfResult result = listen_on( port, &listener, server, error );
-    if ( result == RF_OK )
-        server->daemon = MHD_start_daemon( MHD_USE_POLL_INTERNAL_THREAD, 0, NULL, NULL, on_request, server,
-                                           MHD_OPTION_LISTEN_SOCKET, listener, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_SECONDS,
-                                           MHD_OPTION_CONNECTION_LIMIT, MOST_CONNECTIONS, MHD_OPTION_END );
-    if ( result == RF_OK && server->daemon == NULL )
-        result = fail_port( port, "no server", error );
-    if ( result != RF_OK && listener >= 0 )
-        close( listener );
-    return result;
-}
-
-// At once, in the midst of a reply too.
-static void stop_http_server( RfHttpServer* server ) { MHD_stop_daemon( server->daemon ); }
 
 #define MAX_NAME 4096
 #define MOST_SHARE 0.01 // of the time of a render, for the pictures of the page
@@ -160,7 +54,16 @@ static RfResult probe_file( const char* name, RfError* error )
 
 // The live page.
 
-static bool answer_page( RfHttpReply* reply )
+typedef struct Reply
+{
+    const char* type;     // "text/html"
+    const char* parts[8]; // texts and bytes, in turn; as many as have a size
+    size_t sizes[8];
+    void* owned; // freed when it is sent; or NULL
+    bool stays;  // the browser may keep it
+} Reply;
+
+static bool answer_page( Reply* reply )
 {
     static const char style[] = "{{style}}", script[] = "{{script}}";
     const char *begin = rf_live_html, *first = strstr( begin, style ), *second = strstr( begin, script );
@@ -176,9 +79,9 @@ static bool answer_page( RfHttpReply* reply )
     return true;
 }
 
-static bool take_bytes( void* bytes, size_t size, const char* type, RfHttpReply* reply )
+static bool take_bytes( void* bytes, size_t size, const char* type, Reply* reply )
 {
-    *reply = ( RfHttpReply ){ .type = type, .parts = { bytes }, .sizes = { size }, .owned = bytes, .stays = reply->stays };
+    *reply = ( Reply ){ .type = type, .parts = { bytes }, .sizes = { size }, .owned = bytes, .stays = reply->stays };
     return bytes != NULL;
 }
 
@@ -211,7 +114,7 @@ static void list_passes( RfLivePreview* p, int number )
     rf_destroy_exr_header( &header );
 }
 
-static bool answer_status( RfLivePreview* p, RfHttpReply* reply )
+static bool answer_status( RfLivePreview* p, Reply* reply )
 {
     const RfCameraPath* path = p->output->path;
     pthread_mutex_lock( &p->mutex );
@@ -235,7 +138,7 @@ static bool answer_status( RfLivePreview* p, RfHttpReply* reply )
     return take_bytes( text, text != NULL ? strlen( text ) : 0, "application/json", reply );
 }
 
-static bool answer_picture( const RfImage* image, RfHttpReply* reply )
+static bool answer_picture( const RfImage* image, Reply* reply )
 {
     unsigned char* bytes = NULL;
     size_t size = 0;
@@ -245,7 +148,7 @@ static bool answer_picture( const RfImage* image, RfHttpReply* reply )
 }
 
 // The frame in work; the render may go on while it is encoded.
-static bool answer_preview( RfLivePreview* p, RfHttpReply* reply )
+static bool answer_preview( RfLivePreview* p, Reply* reply )
 {
     RfImage copy = { 0 };
     pthread_mutex_lock( &p->mutex );
@@ -298,7 +201,7 @@ static bool draw_pass( RfLivePreview* p, int number, long index, RfImage* image 
 }
 
 // A finished frame, from its file: "12", or "12/3", one of its passes.
-static bool answer_frame( RfLivePreview* p, const char* text, RfHttpReply* reply )
+static bool answer_frame( RfLivePreview* p, const char* text, Reply* reply )
 {
     char name[MAX_NAME], *end, *last;
     RfImage image = { 0 };
@@ -315,9 +218,9 @@ static bool answer_frame( RfLivePreview* p, const char* text, RfHttpReply* reply
     return good;
 }
 
-static bool answer( void* user, const char* path, RfHttpReply* reply )
+// Fills the reply to a path such as "/status"; false: there is no such thing. Called by the server's thread.
+static bool answer( RfLivePreview* p, const char* path, Reply* reply )
 {
-    RfLivePreview* p = user;
     if ( strcmp( path, "/" ) == 0 )
         return answer_page( reply );
     if ( strcmp( path, "/status" ) == 0 )
@@ -325,6 +228,109 @@ static bool answer( void* user, const char* path, RfHttpReply* reply )
     if ( strcmp( path, "/preview" ) == 0 )
         return answer_preview( p, reply );
     return strncmp( path, "/frame/", 7 ) == 0 && answer_frame( p, path + 7, reply );
+}
+
+// Another page that the browser shows could come here under a name of its own (DNS rebinding), but not under these.
+static bool is_for_us( const char* host )
+{
+    static const char* const names[] = { "127.0.0.1", "localhost" };
+    for ( size_t i = 0; i < sizeof names / sizeof names[0] && host != NULL; ++i )
+    {
+        size_t length = strlen( names[i] );
+        if ( strncasecmp( host, names[i], length ) == 0 && ( host[length] == ':' || host[length] == '\0' ) )
+            return true;
+    }
+    return false;
+}
+
+static enum MHD_Result queue( struct MHD_Connection* connection, unsigned status, const Reply* reply )
+{
+    struct MHD_IoVec parts[sizeof reply->sizes / sizeof reply->sizes[0]];
+    unsigned count = 0;
+    for ( size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i )
+    {
+        if ( reply->sizes[i] > 0 )
+            parts[count++] = ( struct MHD_IoVec ){ reply->parts[i], reply->sizes[i] };
+    }
+    struct MHD_Response* response = MHD_create_response_from_iovec( parts, count, free, reply->owned );
+    if ( response == NULL )
+    {
+        free( reply->owned );
+        return MHD_NO;
+    }
+    MHD_add_response_header( response, MHD_HTTP_HEADER_CONTENT_TYPE, reply->type );
+    MHD_add_response_header( response, MHD_HTTP_HEADER_CACHE_CONTROL, reply->stays ? "max-age=86400" : "no-store" );
+    MHD_add_response_header( response, "X-Content-Type-Options", "nosniff" );
+    MHD_add_response_header( response, MHD_HTTP_HEADER_CONNECTION, "close" );
+    enum MHD_Result result = MHD_queue_response( connection, status, response );
+    MHD_destroy_response( response );
+    return result;
+}
+
+static enum MHD_Result on_request( void* user, struct MHD_Connection* connection, const char* path, const char* method,
+                                   const char* version, const char* upload, size_t* upload_size, void** state )
+{
+    (void)version;
+    (void)upload;
+    (void)upload_size;
+    (void)state;
+    Reply reply = { .type = "text/plain" };
+    unsigned status = MHD_HTTP_OK;
+    rf_set_float_mode();
+    if ( strcmp( method, MHD_HTTP_METHOD_GET ) != 0 )
+        status = MHD_HTTP_METHOD_NOT_ALLOWED;
+    else if ( !is_for_us( MHD_lookup_connection_value( connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST ) ) )
+        status = MHD_HTTP_FORBIDDEN;
+    else if ( !answer( user, path, &reply ) )
+    {
+        status = MHD_HTTP_NOT_FOUND;
+        reply = ( Reply ){ .type = "text/plain", .owned = reply.owned };
+    }
+    return queue( connection, status, &reply );
+}
+
+static RfResult fail_port( int port, const char* what, RfError* error )
+{
+    if ( errno == EADDRINUSE )
+        return rf_fail( error, RF_ERROR_IO, "port %d: is in use: choose another, or 0 for any that is free", port );
+    return rf_fail( error, RF_ERROR_IO, "port %d: %s: %s: choose another", port, what, strerror( errno ) );
+}
+
+// libmicrohttpd would not say why it cannot.
+static RfResult listen_on( int port, int* listener, RfLivePreview* p, RfError* error )
+{
+    struct sockaddr_in address = { .sin_family = AF_INET,
+                                   .sin_port = htons( (uint16_t)port ),
+                                   .sin_addr = { .s_addr = htonl( INADDR_LOOPBACK ) } };
+    socklen_t size = sizeof address;
+    int one = 1;
+    *listener = socket( AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0 );
+    if ( *listener < 0 )
+        return fail_port( port, "no socket", error );
+    (void)setsockopt( *listener, SOL_SOCKET, SO_REUSEADDR, &one, sizeof one );
+    if ( bind( *listener, (struct sockaddr*)&address, sizeof address ) != 0 || listen( *listener, 16 ) != 0 ||
+         getsockname( *listener, (struct sockaddr*)&address, &size ) != 0 )
+        return fail_port( port, "cannot be used", error );
+    p->port = ntohs( address.sin_port );
+    return RF_OK;
+}
+
+// A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Connections
+// that send nothing hold nobody up. Port 0: any that is free. The preview may not be moved. Fails with RF_ERROR_IO, where the port is in
+// use, too.
+static RfResult start_server( int port, RfLivePreview* p, RfError* error )
+{
+    int listener;
+    RfResult result = listen_on( port, &listener, p, error );
+    if ( result == RF_OK )
+        p->daemon = MHD_start_daemon( MHD_USE_POLL_INTERNAL_THREAD, 0, NULL, NULL, on_request, p, MHD_OPTION_LISTEN_SOCKET,
+                                      listener, MHD_OPTION_CONNECTION_TIMEOUT, IDLE_SECONDS, MHD_OPTION_CONNECTION_LIMIT,
+                                      MOST_CONNECTIONS, MHD_OPTION_END );
+    if ( result == RF_OK && p->daemon == NULL )
+        result = fail_port( port, "no server", error );
+    if ( result != RF_OK && listener >= 0 )
+        close( listener );
+    return result;
 }
 
 RfResult rf_start_preview( const char* option, const RfOutput* output, int frames, RfLivePreview* preview, RfError* error )
@@ -345,7 +351,7 @@ RfResult rf_start_preview( const char* option, const RfOutput* output, int frame
     preview->progress.left = (double)NAN;
     preview->progress.frames_all = frames;
     pthread_mutex_init( &preview->mutex, NULL );
-    RfResult result = start_http_server( port, answer, preview, &preview->server, &reason );
+    RfResult result = start_server( port, preview, &reason );
     preview->serving = result == RF_OK;
     return preview->serving ? RF_OK : rf_fail( error, result, "--preview: %.1000s", reason.text );
 }
@@ -353,7 +359,7 @@ RfResult rf_start_preview( const char* option, const RfOutput* output, int frame
 void rf_stop_preview( RfLivePreview* p )
 {
     if ( p->serving )
-        stop_http_server( &p->server );
+        MHD_stop_daemon( p->daemon ); // at once, in the midst of a reply too
     p->serving = false;
     rf_destroy_image( &p->image );
     json_decref( p->passes );

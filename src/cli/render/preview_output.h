@@ -9,36 +9,14 @@
 #include <jansson.h>
 #include <pthread.h>
 
-// A web server for one person on this machine: answers GET on 127.0.0.1, one request at a time, in a thread of its own. Connections
-// that send nothing hold nobody up.
-
-typedef struct RfHttpReply
-{
-    const char* type;     // "text/html"
-    const char* parts[8]; // texts and bytes, in turn; as many as have a size
-    size_t sizes[8];
-    void* owned; // freed when it is sent; or NULL
-    bool stays;  // the browser may keep it
-} RfHttpReply;
-
-// Fills the reply to a path such as "/status"; false: there is no such thing. Called by the server's thread.
-typedef bool RfHttpAnswer( void* user, const char* path, RfHttpReply* reply );
-
-typedef struct RfHttpServer
-{
-    int port;
-    RfHttpAnswer* answer;
-    void* user;
-    struct MHD_Daemon* daemon;
-} RfHttpServer;
-
 typedef struct RfLivePreview
 {
     const char* file;       // NULL: none
     const RfOutput* output; // of the live page
     bool broken;            // the file could not be written
     bool serving;
-    RfHttpServer server;
+    int port; // where it is served
+    struct MHD_Daemon* daemon;
     pthread_mutex_t mutex; // of all below
     RfImage image;         // of the frame in work
     int frame;             // its number

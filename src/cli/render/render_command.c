@@ -6,7 +6,7 @@
 #include "cli/options/frame_lists.h"
 #include "cli/render/render_files.h"
 #include "cli/render/render_json.h"
-#include "cli/signals.h"
+#include "cli/messages.h"
 #include "film/cryptomatte.h"
 #include "render/estimator.h"
 #include "render/settings.h"
@@ -514,7 +514,7 @@ static RfResult start_preview( RfRenderJob* job, RfError* error )
     for ( int i = 0; i < job->kept_count && result == RF_OK; ++i )
         rf_note_live_frame( &job->preview, rf_frame_number( &job->path, job->kept[i] ) );
     if ( result == RF_OK && job->preview.serving && !job->options.quiet )
-        fprintf( stderr, "reframe render: live page: http://127.0.0.1:%d/\n", job->preview.server.port );
+        fprintf( stderr, "reframe render: live page: http://127.0.0.1:%d/\n", job->preview.port );
     return result;
 }
 
