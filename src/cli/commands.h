@@ -4,6 +4,7 @@
 #define REFRAME_CLI_COMMANDS_H
 
 #include "cli/options/options.h"
+#include "reframe/measure.h"
 
 int rf_command_render( int argc, char** argv );
 int rf_command_info( int argc, char** argv );
@@ -29,5 +30,11 @@ int rf_print_manual( const RfCommand* commands );
 
 // Names the commands that `completion` completes.
 void rf_set_completion_commands( const RfCommand* commands );
+
+// The verdict of `compare` in words: "no significant bias: mean error +0.02 % (95 %: -0.30 to +0.40 %);
+// relMSE 0.0123 (about 6.4 % noise per pixel); worst pixel …".
+// `clipped`: pixels of A and of B that are at the end of the range of half floats, which leave no verdict on bias.
+// `worst_frame` NULL: of a single file, whose number says nothing.
+void rf_error_verdict( const RfErrorMetrics* metrics, const size_t clipped[2], const int* worst_frame, char* text, size_t size );
 
 #endif

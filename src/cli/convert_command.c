@@ -2,7 +2,6 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
-#include "cli/signals.h"
 #include "reframe/convert.h"
 
 #include <stdio.h>

@@ -3,7 +3,6 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
-#include "cli/signals.h"
 #include "trace/trace.h"
 
 #include <limits.h>

@@ -1,18 +1,24 @@
-// Errors and warnings on standard error, JSON results in a file or on standard output, exit statuses.
+// Errors and warnings on standard error, JSON results in a file or on standard output, exit statuses; signals, which ask a render to
+// stop in good order.
+#define _GNU_SOURCE // RTLD_DEFAULT
+
 #include "cli/messages.h"
 
 #include "base/plain_text.h"
 #include "image/atomic_file.h"
 
+#include <dlfcn.h>
 #include <errno.h>
 #include <math.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-int rf_exit_status( RfResult result )
+// 0, 1, 2 (usage) or 130 (interrupted).
+static int exit_status( RfResult result )
 {
     switch ( result )
     {
@@ -68,7 +74,7 @@ int rf_report_error( const char* command, const RfError* error )
     char text[sizeof error->text + 160];
     rf_format_error( error, text, sizeof text );
     fprintf( stderr, "reframe %s: %s\n", command, text );
-    return rf_exit_status( error->code );
+    return exit_status( error->code );
 }
 
 static void print_warning( void* user, const char* line )
@@ -194,4 +200,55 @@ RfResult rf_write_json( const char* path, json_t* json, RfError* error )
         result = dump_to_file( path, json, error );
     json_decref( json );
     return result;
+}
+
+// Nothing is left open that matters: files that are being written have temporary names.
+static void on_terminate( void )
+{
+    static const char line[] = "reframe: a library could not go on, most likely for want of memory: close other programs\n";
+    (void)!write( STDERR_FILENO, line, sizeof line - 1 );
+    _exit( 1 );
+}
+
+void rf_catch_terminate( void )
+{
+    // std::set_terminate of the C++ runtime that Embree brings along
+    void ( *( *set )( void ( * )( void ) ) )( void );
+    *(void**)&set = dlsym( RTLD_DEFAULT, "_ZSt13set_terminatePFvvE" );
+    if ( set != NULL )
+        set( on_terminate );
+}
+
+static volatile sig_atomic_t s_interrupted;
+
+static void on_signal( int number )
+{
+    (void)number;
+    s_interrupted = 1;
+}
+
+void rf_catch_interrupts( void )
+{
+    static const int numbers[] = { SIGINT, SIGTERM, SIGHUP, SIGPIPE };
+    for ( size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i )
+    {
+        // These two may come several times: from the shell and the terminal, and with every line to a closed pipe.
+        bool repeats = numbers[i] == SIGHUP || numbers[i] == SIGPIPE;
+        struct sigaction action = { .sa_handler = on_signal }, before;
+        sigemptyset( &action.sa_mask );
+        // Reset: the second signal has its default action. Restart: the first does not
+        // interrupt a write.
+        action.sa_flags = SA_RESTART | ( repeats ? 0 : (int)SA_RESETHAND );
+        if ( repeats && sigaction( numbers[i], NULL, &before ) == 0 && before.sa_handler == SIG_IGN )
+            continue; // by nohup
+        sigaction( numbers[i], &action, NULL );
+    }
+}
+
+bool rf_is_interrupted( void ) { return s_interrupted != 0; }
+
+bool rf_may_go_on( void* user )
+{
+    (void)user;
+    return s_interrupted == 0;
 }

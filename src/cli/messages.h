@@ -7,9 +7,6 @@
 
 #include <jansson.h>
 
-// The exit status that a result stands for: 0, 1, 2 (usage) or 130 (interrupted).
-int rf_exit_status( RfResult result );
-
 // Formats an error with what to type to get past it, where the library knows a remedy: "a budget
 // of 1 MiB is too small for frames of 64x36: give --memory 3M or more, or lower --size".
 // Truncated to `size`.
@@ -80,5 +77,19 @@ RfResult rf_write_json( const char* path, json_t* json, RfError* error );
 
 // Flushes standard output and says so where that fails (a full disk, a closed pipe).
 RfResult rf_flush_output( RfError* error );
+
+// SIGINT, SIGTERM, SIGHUP and SIGPIPE set a flag: the work stops at the next progress call and keeps what is finished. A second
+// SIGINT or SIGTERM ends the program at once. SIGHUP and SIGPIPE stay ignored where they are.
+
+void rf_catch_interrupts( void );
+bool rf_is_interrupted( void );
+
+// The opposite, for callbacks that say whether to go on.
+bool rf_may_go_on( void* user );
+
+// The end of the program by a library in C++ that cannot go on: Embree and TBB without memory.
+
+// From here on an exception that nothing catches ends the program with a line of ours and exit status 1, not with abort.
+void rf_catch_terminate( void );
 
 #endif

@@ -1,5 +1,5 @@
 // Finds the channels of a layer in an EXR by the naming conventions of renderers, and reads them.
-#include "image/exr_layer.h"
+#include "image/exr_stream.h"
 
 #include "base/remedy.h"
 #include "image/exr.h"
@@ -124,8 +124,12 @@ RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_
     return RF_OK;
 }
 
-RfResult rf_find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy, RfExrChannels* channels,
-                               RfError* error )
+// Finds the colour: R, G, B; else a layer P with P.R, P.G and P.B, if it is the only one or
+// the only one whose name ends with "Combined"; else Y. Otherwise the error lists the channels
+// or layers, `remedy` is that of several layers (RF_REMEDY_LAYER or none), and channels->count is their
+// number.
+static RfResult find_exr_channels( const RfExrStream* stream, const exr_attr_chlist_t* list, RfRemedy remedy,
+                                   RfExrChannels* channels, RfError* error )
 {
     int layers = 0, combined = 0;
     char text[512] = "";
@@ -186,7 +190,7 @@ static bool find_exr_layer( const RfExrPart* part, const char* layer, RfExrChann
          find_three( part->channels, prefix, (size_t)length, axes, channels ) )
         return true;
     return exr_get_name( part->context, part->index, &name ) == EXR_ERR_SUCCESS && name != NULL && strcmp( name, layer ) == 0 &&
-           rf_find_exr_channels( part->stream, part->channels, RF_REMEDY_NONE, channels, NULL ) == RF_OK;
+           find_exr_channels( part->stream, part->channels, RF_REMEDY_NONE, channels, NULL ) == RF_OK;
 }
 
 // Reads the colour or any other layer, with its data window, from files of any program,
@@ -197,7 +201,7 @@ static RfResult open_colour( RfExrStream* stream, int index, RfExrPart* part, Rf
 {
     *channels = ( RfExrChannels ){ 0 };
     RF_TRY( rf_open_exr_part( stream, index, part, error ) );
-    RfResult result = rf_find_exr_channels( stream, part->channels, RF_REMEDY_LAYER, channels, error );
+    RfResult result = find_exr_channels( stream, part->channels, RF_REMEDY_LAYER, channels, error );
     if ( result != RF_OK )
         rf_close_exr_part( part );
     return result;
@@ -402,7 +406,7 @@ RfResult rf_read_exr_stream( RfExrStream* stream, RfImage* image, RfColourConver
     size_t clipped;
     *image = ( RfImage ){ 0 };
     RF_TRY( rf_open_exr_part( stream, 0, &part, error ) );
-    RfResult result = rf_find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
+    RfResult result = find_exr_channels( stream, part.channels, RF_REMEDY_NONE, &channels, error );
     if ( result == RF_OK )
         result = read_image( &part, &channels, image, &clipped, conversion, error );
     rf_close_exr_part( &part );

@@ -4,7 +4,6 @@
 #include "base/file.h"
 #include "image/atomic_file.h"
 #include "image/exr_stream.h"
-#include "image/exr_layer.h"
 #include "image/half.h"
 
 #include <errno.h>

@@ -67,6 +67,20 @@ void rf_close_exr_part( RfExrPart* part );
 // The conversion of a part's colours to Rec. 709. Where the part lacks the attribute, another has it for all.
 RfResult rf_read_exr_colours( const RfExrPart* part, RfColourConversion* conversion, RfError* error );
 
+// The channels of a colour, or of a named layer.
+typedef struct RfExrChannels
+{
+    const char* names[3]; // red, green and blue, or Y alone; owned by the context
+    int count;            // 3, or 1 for Y
+} RfExrChannels;
+
+// Opens the first part of a file that has the colour, or the channels named by `layer` (NULL:
+// the colour), and finds them. Close with rf_close_exr_part after success.
+RfResult rf_open_exr_layer( RfExrStream* stream, const char* layer, RfExrPart* part, RfExrChannels* channels, RfError* error );
+
+// Fails if a channel of this name is missing or subsampled.
+RfResult rf_check_exr_channel( const RfExrStream* stream, const exr_attr_chlist_t* list, const char* name, RfError* error );
+
 // Receives `count` values of a channel (an index into the names), starting at pixel (x, y) of
 // the data window and going right.
 typedef void RfExrLineFn( void* user, int channel, int x, int y, const float* values, int count );

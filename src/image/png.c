@@ -1,5 +1,5 @@
 // PNG by libpng: writing and decoding.
-#include "image/png.h"
+#include "image/encode.h"
 
 #include "image/atomic_file.h"
 #include "image/decode_formats.h"

@@ -155,17 +155,11 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
     RF_TRY( check_pattern( pattern, &parts, error ) );
     if ( parts.run == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has no '#' that stands for the frame", pattern );
-    size_t length = (size_t)( parts.base - pattern );
-    char* path = malloc( length + 2 );
-    if ( path == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the name of its folder", pattern );
-    memcpy( path, pattern, length );
-    strcpy( path + length, length == 0 ? "." : "" );
+    char path[PATH_MAX];
+    RF_TRY( rf_folder_of_file( pattern, path, sizeof path, error ) );
     DIR* folder = opendir( path );
-    int failure = errno;
-    free( path );
     if ( folder == NULL )
-        return rf_fail_io( pattern, "its folder cannot be read", failure, error );
+        return rf_fail_io( pattern, "its folder cannot be read", errno, error );
     RfResult result = list_folder( pattern, &parts, folder, frames, count, error );
     closedir( folder );
     if ( result != RF_OK )
@@ -185,16 +179,10 @@ static bool is_same_inode( const char* a, const char* b )
 
 static bool is_same_folder( const char* a, const char* b )
 {
-    char folders[2][4096];
-    const char* names[2] = { a, b };
-    for ( int i = 0; i < 2; ++i )
-    {
-        Pattern parts = split( names[i] );
-        if ( parts.base == names[i] )
-            snprintf( folders[i], sizeof folders[i], "." );
-        else
-            snprintf( folders[i], sizeof folders[i], "%.*s", (int)( parts.base - names[i] ), names[i] );
-    }
+    char folders[2][PATH_MAX];
+    if ( rf_folder_of_file( a, folders[0], PATH_MAX, NULL ) != RF_OK ||
+         rf_folder_of_file( b, folders[1], PATH_MAX, NULL ) != RF_OK )
+        return false;
     return is_same_inode( folders[0], folders[1] );
 }
 

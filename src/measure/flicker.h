@@ -21,7 +21,6 @@ typedef struct RfFlickerFrame
 {
     int number;
     char shot[32];    // of its path; empty where that has no cuts, or another program wrote it
-    size_t clipped;   // pixels of v (rf_read_exr_picture)
     RfImage signal;   // e = v − r with a reference, else the image v
     RfImage variance; // of v; rgb NULL: unknown
     float* motion;    // 2 per pixel, or NULL

@@ -266,7 +266,7 @@ static RfResult read_colour( const char* path, const RfFlickerLayers* layers, co
                              RfFlickerFrame* frame, RfError* error )
 {
     RfExrWindow window;
-    RF_TRY( rf_read_exr_picture( path, layers->colour, &frame->signal, &window, &frame->clipped, error ) );
+    RF_TRY( rf_read_exr_layer( path, layers->colour, &frame->signal, &window, error ) );
     return check_window( path, &window, first_path, first, "all frames of a sequence need the same size and data window", error );
 }
 

@@ -564,11 +564,6 @@ double rf_trial_phi( const RfTrial* trial ) { return trial->mse > 0.0 ? mean_cha
 
 double rf_trial_sample_seconds( const RfTrial* trial ) { return mean( trial->cpu_seconds, trial->timed_samples ); }
 
-double rf_trial_efficiency( const RfTrial* trial, double pixels )
-{
-    return 1.0 / ( rf_trial_relmse( trial, 1.0 ) * rf_trial_sample_seconds( trial ) * pixels );
-}
-
 size_t rf_test_region_bytes( int frames, size_t pixels )
 {
     return (size_t)frames * pixels * sizeof( float ) + rf_test_pieces_bytes( frames, pixels );

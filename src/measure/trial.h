@@ -154,10 +154,6 @@ double rf_trial_phi( const RfTrial* trial );
 // CPU seconds per own-frame sample.
 double rf_trial_sample_seconds( const RfTrial* trial );
 
-// 1 / (relMSE · CPU seconds) of a frame of `pixels` pixels, which is independent of the sample
-// count.
-double rf_trial_efficiency( const RfTrial* trial, double pixels );
-
 // Bytes held by a test region of `frames` frames of `pixels` pixels each, and by a trial with groups of `eyes` frames, of
 // each of which `pixels` pixels are measured. The memory of rf_render is not included.
 size_t rf_test_region_bytes( int frames, size_t pixels );

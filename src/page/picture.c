@@ -3,7 +3,7 @@
 
 #include "image/decode.h"
 #include "image/half.h"
-#include "image/jpeg.h"
+#include "image/encode.h"
 
 #include <math.h>
 #include <stdlib.h>

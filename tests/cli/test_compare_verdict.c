@@ -1,6 +1,6 @@
 // The verdict of reframe compare in words.
 #include "support/test.h"
-#include "cli/compare/compare_command.h"
+#include "cli/commands.h"
 
 static size_t s_clipped[2];
 

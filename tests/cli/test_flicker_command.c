@@ -1,7 +1,7 @@
 // reframe flicker as a script sees it: JSON, files of Reframe and of other programs, and
 // what it refuses.
 #include "cli/commands.h"
-#include "cli/compare/flicker_command.h"
+#include "measure/flicker_sequence.h"
 #include "support/cli_run.h"
 #include "support/image_files.h"
 #include "image/sequence.h"

@@ -1,7 +1,5 @@
 // reframe compare A B: the error of image A against reference B, files or
 // sequences, frame by frame and over all frames.
-#include "cli/compare/compare_command.h"
-
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
@@ -14,6 +12,7 @@
 #include "page/pass_groups.h"
 #include "reframe/effects.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,15 +1,15 @@
 // reframe flicker SEQ: how much the error of a sequence changes from frame to frame, against a reference or along the motion layers.
-#include "cli/compare/flicker_command.h"
-
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
+#include "measure/flicker_sequence.h"
 #include "page/pass_groups.h"
 #include "reframe/image.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 
@@ -169,7 +169,9 @@ static void format_verdict( const RfFlickerRun* run, char text[VERDICT_SIZE] )
         rf_append( text, VERDICT_SIZE, "; relMSE %.2g (%s noise per pixel)", run->errors.relmse, percent );
 }
 
-void rf_print_flicker( const RfFlickerRun* run, const char* unfollowed )
+// The verdict in two lines, then a row for each pair, and the rest. `unfollowed`: why nothing is followed along the motion where layers
+// are there; else empty.
+static void print_flicker( const RfFlickerRun* run, const char* unfollowed )
 {
     char verdict[VERDICT_SIZE], percent[RF_NOISE_TEXT_SIZE];
     format_verdict( run, verdict );
@@ -229,7 +231,7 @@ static json_t* seams_json( const RfFlickerRun* run )
                       part_json( &run->plain.border, follows ? &run->followed.border : NULL ) );
 }
 
-json_t* rf_flicker_json( const RfFlickerRun* run )
+static json_t* flicker_json( const RfFlickerRun* run )
 {
     const RfErrorMetrics* e = &run->errors;
     bool has_reference = run->reference != NULL, masked = run->layers.depth != NULL;
@@ -419,12 +421,12 @@ static RfResult finish( Flicker* flicker, RfError* error )
 {
     const RfFlickerRun* run = &flicker->run;
     if ( rf_prints_text( flicker->json ) )
-        rf_print_flicker( run, flicker->unfollowed );
+        print_flicker( run, flicker->unfollowed );
     RfResult result = rf_flush_output( error );
     if ( result == RF_OK && flicker->png != NULL )
         result = rf_write_png( flicker->png, &flicker->slit.image, (float)flicker->exposure, error );
     if ( result == RF_OK && flicker->json != NULL )
-        result = rf_write_json( flicker->json, rf_flicker_json( run ), error );
+        result = rf_write_json( flicker->json, flicker_json( run ), error );
     return result == RF_OK ? check_finite( run, error ) : result;
 }
 

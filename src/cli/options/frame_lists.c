@@ -194,7 +194,9 @@ static void make_pattern( const RfFolderList* list, const char* name, char patte
     snprintf( pattern + used, NAME_SIZE - used, "%s", name + begin + length );
 }
 
-RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error )
+// The pattern of the folder's frames: the last number of their names is the frame's. Fails where there is no EXR, or more than one
+// sequence, which the error names; a folder of one file without a number gives that file.
+static RfResult find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error )
 {
     RfFolderList list;
     char first[NAME_SIZE], other[NAME_SIZE];
@@ -235,14 +237,22 @@ static bool take_number( const char** text, long* number )
     return errno == 0;
 }
 
-bool rf_take_frame_range( const char** text, long step, RfFrameRange* range )
+// "A" or "A-B", with '@' before it or "xSTEP" behind it.
+typedef struct Range
+{
+    bool is_own;            // written with '@': numbers as the path has them
+    long first, last, step; // as written: else negative from the end
+} Range;
+
+// Parses a range up to a comma or the end, and advances *text to there. False: it is none.
+static bool take_range( const char** text, Range* range )
 {
     range->is_own = **text == '@';
     *text += range->is_own;
     if ( !take_number( text, &range->first ) )
         return false;
     range->last = range->first;
-    range->step = step;
+    range->step = 1;
     if ( **text == '-' )
     {
         ++*text;
@@ -291,7 +301,7 @@ static RfResult resolve( long written, bool is_own, const Numbers* numbers, long
     return inside && counted ? RF_OK : fail_missing( written, is_own, numbers, error );
 }
 
-static RfResult mark_range( RfFrameRange range, const Numbers* numbers, bool* wanted, RfError* error )
+static RfResult mark_range( Range range, const Numbers* numbers, bool* wanted, RfError* error )
 {
     long first, last;
     RF_TRY( resolve( range.first, range.is_own, numbers, &first, error ) );
@@ -321,8 +331,8 @@ static RfResult mark_all( const char* text, const Numbers* numbers, bool* wanted
     }
     for ( const char* next = text;; ++next )
     {
-        RfFrameRange range;
-        if ( !rf_take_frame_range( &next, 1, &range ) )
+        Range range;
+        if ( !take_range( &next, &range ) )
             return rf_fail(
                 error, RF_ERROR_USAGE,
                 "--frames: expected frames such as 7, 1-48, 1-48x2, -5--1 (the last five) or @-5--1 (by their numbers) "
@@ -434,7 +444,7 @@ RfResult rf_find_sequence_input( const char* from, const char* list, RfSequenceI
     RfResult result = RF_OK;
     *input = ( RfSequenceInput ){ .count = 0 };
     if ( rf_is_folder( from ) )
-        result = rf_find_folder_sequence( from, input->pattern, sizeof input->pattern, error );
+        result = find_folder_sequence( from, input->pattern, sizeof input->pattern, error );
     else if ( snprintf( input->pattern, sizeof input->pattern, "%s", from ) >= (int)sizeof input->pattern )
         result = rf_fail( error, RF_ERROR_USAGE, "%s: the name is too long", from );
     input->is_sequence = rf_is_sequence( input->pattern ) && !is_file( input->pattern );

@@ -21,16 +21,6 @@ RfResult rf_parse_frames( const char* text, const int* there, int there_count, i
 RfResult rf_choose_frames( const char* text, const RfSceneFile* file, const RfCameraPath* path, int** frames, int* count,
                            RfError* error );
 
-// "A" or "A-B", with '@' before it or "xSTEP" behind it.
-typedef struct RfFrameRange
-{
-    bool is_own;            // written with '@': numbers as the path has them
-    long first, last, step; // as written: else negative from the end
-} RfFrameRange;
-
-// Parses a range up to a comma or the end, and advances *text to there. `step`: where none is written. False: it is none.
-bool rf_take_frame_range( const char** text, long step, RfFrameRange* range );
-
 // What a command reads frame by frame: a file, a sequence named with ####, or the folder of one.
 
 #define RF_FILE_NAME_SIZE 4096
@@ -57,8 +47,6 @@ RfResult rf_warn_of_missing( const RfSequenceInput* input, RfLog* log, RfError* 
 // Is there a folder, or a file, of this name?
 bool rf_is_folder( const char* path );
 
-// Finds the sequence of EXR files in a folder.
-
 typedef struct RfFolderList
 {
     char** names; // without the folder, sorted
@@ -68,11 +56,6 @@ typedef struct RfFolderList
 // Lists the files of a folder that have this ending, without hidden ones. Free it in any case.
 RfResult rf_list_folder( const char* folder, const char* suffix, RfFolderList* list, RfError* error );
 void rf_free_folder_list( RfFolderList* list );
-
-// The pattern of the folder's frames: the last number of their names is the frame's.
-// Fails where there is no EXR, or more than one sequence, which the error names; a
-// folder of one file without a number gives that file.
-RfResult rf_find_folder_sequence( const char* folder, char* pattern, size_t size, RfError* error );
 
 // Frames of a camera path that are to be divided between machines.
 typedef struct RfDividedFrames

@@ -93,6 +93,21 @@ const char* rf_find_synonym( const char* word, const char* const* words, int cou
     return NULL;
 }
 
+// A whole number from min to max, with nothing before or after it.
+static bool parse_whole( const char* text, long long min, long long max, long long* value )
+{
+    // strtoll skips blanks and takes a plus sign; a number on a command line has neither.
+    if ( !isdigit( (unsigned char)text[text[0] == '-'] ) )
+        return false;
+    char* end;
+    errno = 0;
+    long long number = strtoll( text, &end, 10 );
+    if ( errno != 0 || *end != '\0' || number < min || number > max )
+        return false;
+    *value = number;
+    return true;
+}
+
 // A file named on the command line.
 typedef struct Named
 {
@@ -135,8 +150,7 @@ static RfResult try_file( const Named* file, RfError* error )
     long long port;
     RfError reason = { 0 };
     bool is_special = stat( file->path, &status ) == 0 && !S_ISREG( status.st_mode ) && !S_ISDIR( status.st_mode );
-    if ( strcmp( file->path, "-" ) == 0 || is_special ||
-         rf_parse_whole( file->path + ( file->path[0] == ':' ), 0, 65535, &port ) )
+    if ( strcmp( file->path, "-" ) == 0 || is_special || parse_whole( file->path + ( file->path[0] == ':' ), 0, 65535, &port ) )
         return RF_OK;
     RfResult result = rf_try_output_file( file->path, &reason );
     return result == RF_OK ? RF_OK : rf_fail( error, result, "--%s: %.900s", file->option, reason.text );
@@ -197,20 +211,6 @@ static RfResult check_written_files( const RfCommandTable* table, const char* co
         RF_TRY( is_tried ? try_file( named + i, error ) : RF_OK );
     }
     return RF_OK;
-}
-
-bool rf_parse_whole( const char* text, long long min, long long max, long long* value )
-{
-    // strtoll skips blanks and takes a plus sign; a number on a command line has neither.
-    if ( !isdigit( (unsigned char)text[text[0] == '-'] ) )
-        return false;
-    char* end;
-    errno = 0;
-    long long number = strtoll( text, &end, 10 );
-    if ( errno != 0 || *end != '\0' || number < min || number > max )
-        return false;
-    *value = number;
-    return true;
 }
 
 static bool parse_unsigned( const RfOption* option, const char* text, void* value )
@@ -339,7 +339,7 @@ static bool parse_pair( const char* text, char separator, long long min, long lo
     memcpy( head, text, (size_t)( middle - text ) );
     head[middle - text] = '\0';
     long long a, b;
-    if ( !rf_parse_whole( head, min, max, &a ) || !rf_parse_whole( middle + 1, min, max, &b ) )
+    if ( !parse_whole( head, min, max, &a ) || !parse_whole( middle + 1, min, max, &b ) )
         return false;
     *first = (int)a;
     *second = (int)b;
@@ -377,7 +377,7 @@ static bool parse_int( const RfOption* option, const char* text, void* value )
         return true;
     }
     long long whole;
-    if ( !rf_parse_whole( text, (long long)option->min, (long long)option->max, &whole ) )
+    if ( !parse_whole( text, (long long)option->min, (long long)option->max, &whole ) )
         return false;
     *(int*)value = (int)whole;
     return true;

@@ -62,7 +62,7 @@ typedef struct RfOption
     const char* default_text;   // in the help instead of the value's default, for which "%s" may stand in it; NULL: that value
     const char* help;           // one line
     bool* given;                // set where the option was given; or NULL
-    bool in_file;               // a scene file may give it too (rf_take_file_options)
+    bool in_file;               // a scene file may give it too (rf_read_render_defaults)
     bool reads;                 // STRING: it names a file, or may, that is read
     const char* writes;         // STRING: it names a file that is written, with this ending (".json"), tried before the command
                                 // runs; "": the command tries it, and checks its ending; NULL: none
@@ -142,9 +142,6 @@ void rf_describe_wanted( const RfOption* option, const char* wanted, const char*
 
 // A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
 bool rf_parse_noise( const char* text, double* relmse, const char** rest );
-
-// Parses a whole number from min to max, with nothing before or after it; false otherwise.
-bool rf_parse_whole( const char* text, long long min, long long max, long long* value );
 
 // The first of our words for what other programs call a command or an option that is among `words`, or NULL.
 const char* rf_find_synonym( const char* word, const char* const* words, int count );

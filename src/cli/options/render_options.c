@@ -121,7 +121,12 @@ RfResult rf_fail_file_option( const RfField* field, const RfError* error )
     return rf_field_fail( field, "%s", rest != NULL ? rest + 2 : error->text );
 }
 
-RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object )
+// Stores the members of the object in the values of the table's options. A key is
+// the name of an option that a file may give (`in_file`), with '_' for '-'. Numbers
+// and booleans are those of JSON, also for choices that can be given as --name and --no-name; a size is an array of two numbers, fps a number or
+// "24000/1001", all else a string. Ranges are those of the command line; errors name
+// the JSON path. Strings point into the JSON.
+static RfResult take_file_options( const RfCommandTable* table, const RfField* object )
 {
     char names[MAX_KEYS][32];
     const char* keys[MAX_KEYS + 1] = { NULL };
@@ -602,20 +607,32 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 
-RfResult rf_parse_cryptomatte_option( RfRenderOptions* options, RfError* error )
+static RfResult parse_cryptomatte_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
     RfResult result = rf_parse_cryptomatte( options->cryptomatte, &options->settings.cryptomatte, &reason );
     return result == RF_OK ? result : rf_fail( error, result, "--cryptomatte: %.1000s", reason.text );
 }
 
-RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error )
+static RfResult parse_aov_option( RfRenderOptions* options, RfError* error )
 {
     RfError reason = { 0 };
     RfResult result = rf_parse_aovs( options->aov, &options->settings.aovs, &reason );
     options->settings.aovs |= options->alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
     return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
 }
+
+// Options whose texts have a grammar of their own, by their keys in scene files.
+static const struct
+{
+    const char* key;
+    RfResult ( *parse )( RfRenderOptions* options, RfError* error );
+} s_grammars[] = { { "tile", rf_parse_tile_option },
+                   { "aov", parse_aov_option },
+                   { "cryptomatte", parse_cryptomatte_option },
+                   { "no_effect", parse_effect_options } };
+
+#define GRAMMARS ( sizeof s_grammars / sizeof s_grammars[0] )
 
 RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
 {
@@ -627,13 +644,9 @@ RfResult rf_settle_render_options( RfRenderOptions* options, RfError* error )
     rf_settle_filter( options );
     if ( !settings->estimator->has_gradients && settings->reconstruction != RF_RECONSTRUCTION_WEIGHTED )
         return rf_fail( error, RF_ERROR_USAGE, "--reconstruction: needs --estimator gradient" );
-    RfResult result = rf_parse_tile_option( options, error );
-    if ( result == RF_OK )
-        result = rf_parse_aov_option( options, error );
-    if ( result == RF_OK )
-        result = rf_parse_cryptomatte_option( options, error );
-    if ( result == RF_OK )
-        result = parse_effect_options( options, error );
+    RfResult result = RF_OK;
+    for ( size_t i = 0; i < GRAMMARS && result == RF_OK; ++i )
+        result = s_grammars[i].parse( options, error );
     if ( ( settings->noise > 0.0 || settings->flicker > 0.0 || settings->time > 0.0 ) && !options->spp_given )
         settings->spp = rf_default_most_spp( settings->noise, settings->flicker );
     return result;
@@ -664,18 +677,14 @@ RfResult rf_read_render_defaults( const RfField* defaults, RfRenderOptions* opti
 {
     reset();
     RfError error = { 0 };
-    RfField tile = rf_field_member( defaults, "tile" ), aov = rf_field_member( defaults, "aov" ),
-            no_effect = rf_field_member( defaults, "no_effect" ), cryptomatte = rf_field_member( defaults, "cryptomatte" );
-    RfResult result = rf_take_file_options( &rf_render_table, defaults );
+    RfResult result = take_file_options( &rf_render_table, defaults );
     rf_take_estimator_option( &render_parse.options );
-    if ( result == RF_OK && rf_parse_tile_option( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &tile, &error );
-    if ( result == RF_OK && rf_parse_aov_option( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &aov, &error );
-    if ( result == RF_OK && rf_parse_cryptomatte_option( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &cryptomatte, &error );
-    if ( result == RF_OK && parse_effect_options( &render_parse.options, &error ) != RF_OK )
-        result = rf_fail_file_option( &no_effect, &error );
+    for ( size_t i = 0; i < GRAMMARS && result == RF_OK; ++i )
+    {
+        RfField field = rf_field_member( defaults, s_grammars[i].key );
+        if ( s_grammars[i].parse( &render_parse.options, &error ) != RF_OK )
+            result = rf_fail_file_option( &field, &error );
+    }
     *options = render_parse.options;
     return result;
 }

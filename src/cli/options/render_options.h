@@ -87,10 +87,6 @@ void rf_take_estimator_option( RfRenderOptions* options );
 // Sets settings.tile from --tile, if it was given.
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error );
 
-// Set settings.cryptomatte and settings.aovs.
-RfResult rf_parse_cryptomatte_option( RfRenderOptions* options, RfError* error );
-RfResult rf_parse_aov_option( RfRenderOptions* options, RfError* error );
-
 // Looks whether the scene has the light groups that its file asks for; what the command line asks for is left to the render. Fails
 // with RF_ERROR_SCENE, naming the key, and RF_ERROR_MEMORY.
 struct RfSceneFile;
@@ -119,13 +115,6 @@ RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings,
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.
 int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_count, int* run_count );
-
-// Stores the members of the object in the values of the table's options. A key is
-// the name of an option that a file may give (`in_file`), with '_' for '-'. Numbers
-// and booleans are those of JSON, also for choices that can be given as --name and --no-name; a size is an array of two numbers, fps a number or
-// "24000/1001", all else a string. Ranges are those of the command line; errors name
-// the JSON path. Strings point into the JSON.
-RfResult rf_take_file_options( const RfCommandTable* table, const RfField* object );
 
 // Rewrites the error of an option ("--frames: there is no frame 9") as one of the
 // scene file ("scene.json: render.frames: there is no frame 9").

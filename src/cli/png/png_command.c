@@ -6,7 +6,7 @@
 #include "cli/options/options.h"
 #include "cli/render/progress.h"
 #include "cli/view/view.h"
-#include "image/png.h"
+#include "image/encode.h"
 #include "page/pass_groups.h"
 #include "page/picture.h"
 #include "reframe/output.h"

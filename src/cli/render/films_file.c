@@ -4,7 +4,7 @@
 
 #include "base/file.h"
 #include "base/system.h"
-#include "reframe/image.h"
+#include "image/sequence.h"
 
 #include <errno.h>
 #include <math.h>
@@ -132,11 +132,9 @@ static bool is_whole( FILE* file )
            fseek( file, 0, SEEK_SET ) == 0;
 }
 
-static int by_number( const void* a, const void* b ) { return *(const int*)a - *(const int*)b; }
-
 static bool has( const int* frames, int count, int frame )
 {
-    return count > 0 && bsearch( &frame, frames, (size_t)count, sizeof frame, by_number ) != NULL;
+    return count > 0 && bsearch( &frame, frames, (size_t)count, sizeof frame, rf_compare_frames ) != NULL;
 }
 
 // Are the frames of the films those that are left, and others that were finished since? Then these are left, too.
@@ -246,13 +244,7 @@ static bool has_room( RfAutosave* autosave, const RfOutput* output, size_t bytes
 {
     char folder[RF_FILMS_NAME_SIZE], wanted[RF_BYTES_TEXT_SIZE], there[RF_BYTES_TEXT_SIZE];
     struct statvfs disk;
-    snprintf( folder, sizeof folder, "%s", output->pattern );
-    char* slash = strrchr( folder, '/' );
-    if ( slash == NULL )
-        strcpy( folder, "." );
-    else
-        slash[slash == folder] = '\0';
-    if ( statvfs( folder, &disk ) != 0 )
+    if ( rf_folder_of_file( output->pattern, folder, sizeof folder, NULL ) != RF_OK || statvfs( folder, &disk ) != 0 )
         return true; // writing will tell
     double room = (double)disk.f_bavail * (double)disk.f_frsize;
     bytes *= autosave->spent > 0.0 ? 1 : 2; // the old file stays until the new one is whole

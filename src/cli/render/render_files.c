@@ -5,7 +5,6 @@
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/render/render_json.h"
-#include "cli/signals.h"
 #include "image/sequence.h"
 #include "output/frame_file.h"
 #include "reframe/image.h"

@@ -61,7 +61,7 @@ static void join_words( const json_t* list, char* text, size_t size )
     }
 }
 
-json_t* rf_sum_clipped( const json_t* frames )
+static json_t* sum_clipped( const json_t* frames )
 {
     size_t i;
     const json_t* row;
@@ -69,8 +69,6 @@ json_t* rf_sum_clipped( const json_t* frames )
     json_array_foreach( frames, i, row ) pixels += json_integer_value( json_object_get( row, "clipped_pixels" ) );
     return json_integer( pixels );
 }
-
-static int compare_ints( const void* a, const void* b ) { return *(const int*)a - *(const int*)b; }
 
 void rf_warn_of_clipped( RfRenderJob* job )
 {
@@ -100,7 +98,7 @@ void rf_warn_of_clipped( RfRenderJob* job )
     if ( count > 0 )
     {
         bool dwa = files->compression == RF_EXR_DWAA || files->compression == RF_EXR_DWAB;
-        qsort( numbers, (size_t)count, sizeof *numbers, compare_ints );
+        qsort( numbers, (size_t)count, sizeof *numbers, rf_compare_frames );
         rf_format_frames( numbers, count, text, sizeof text );
         rf_warn( &job->log, "%lld pixel%s of frame%s %s %s beyond the range of %s and clipped there, in %s: %s",
                  (long long)pixels, pixels == 1 ? "" : "s", count == 1 ? "" : "s", text, pixels == 1 ? "is" : "are",
@@ -576,7 +574,7 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
                  files->names != RF_NAMES_REFRAME ? rf_pass_names_words[files->names] : NULL, "colorspace",
                  files->colour_space != RF_REC709 ? rf_colour_space_words[files->colour_space] : NULL, "overscan",
                  options->overscan, "timecode", files->time_code != NULL ? rf_json_text( files->time_code ) : NULL, "specks",
-                 rf_sum_specks( frames ), "clipped_pixels", rf_sum_clipped( frames ), "repeated_frames",
+                 rf_sum_specks( frames ), "clipped_pixels", sum_clipped( frames ), "repeated_frames",
                  job->frame_count - job->run_count, "adaptive", s->adaptive == RF_ADAPTIVE_ON || stats->adaptive_frames > 0,
                  "warnings", job->reported.lines, "adaptive_mode", rf_adaptive_name( s->adaptive ), "adaptive_frames",
                  stats->adaptive_frames, "beyond_depth_share", rf_json_number( job->output.beyond_depth ), "clamp",

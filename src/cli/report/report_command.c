@@ -4,7 +4,6 @@
 #include "cli/messages.h"
 #include "cli/report/report_frames.h"
 #include "cli/render/render_json.h"
-#include "cli/signals.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"
 

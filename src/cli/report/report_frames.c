@@ -4,7 +4,6 @@
 #include "cli/messages.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_json.h"
-#include "cli/signals.h"
 #include "image/exr.h"
 #include "image/sequence.h"
 #include "measure/flicker_sequence.h"

@@ -4,7 +4,6 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/shared_options.h"
-#include "cli/signals.h"
 #include "cli/tune/trial_command.h"
 #include "measure/cost.h"
 #include "measure/plot.h"

@@ -4,7 +4,6 @@
 #include "base/system.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/signals.h"
 #include "trace/trace.h"
 
 #include <math.h>

@@ -5,7 +5,6 @@
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "cli/options/shared_options.h"
-#include "cli/signals.h"
 #include "cli/tune/trial_command.h"
 #include "measure/plot.h"
 #include "measure/trial_runs.h"
