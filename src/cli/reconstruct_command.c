@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/options.h"
+#include "cli/options/shared_options.h"
 #include "cli/render/progress.h"
 #include "image/exr.h"
 #include "image/sequence.h"
@@ -498,9 +498,7 @@ int rf_command_reconstruct( int argc, char** argv )
         RF_TEXT_OPTION( "frames", &job.files.frames, "A-B[xSTEP][,...]", "reconstruct only these frames of the sequence",
                         .default_text = "all" ),
         RF_FLAG_OPTION( "half", &job.half, "16-bit floats instead of 32", .heading = RF_HEADING_OUTPUT ),
-        RF_TEXT_OPTION( "json", &job.json, "FILE", "write statistics of the solves as JSON; - for standard output",
-                        .writes = ".json", .heading = RF_HEADING_OUTPUT ),
-        RF_FLAG_OPTION( "quiet", &job.quiet, "no progress, no summary", .heading = RF_HEADING_OUTPUT ),
+        RF_RESULT_OPTIONS( job, "write statistics of the solves as JSON; - for standard output", "no progress, no summary" ),
     };
     const RfCommandTable table = {
         .command = COMMAND,

@@ -111,42 +111,6 @@ int rf_compare_frames( const void* a, const void* b )
     return ( x > y ) - ( x < y );
 }
 
-static bool append( int** frames, int* count, int* room, int frame )
-{
-    if ( *count == *room )
-    {
-        int more = *room > 0 ? 2 * *room : 64;
-        int* moved = realloc( *frames, (size_t)more * sizeof( int ) );
-        if ( moved == NULL )
-            return false;
-        *frames = moved;
-        *room = more;
-    }
-    ( *frames )[( *count )++] = frame;
-    return true;
-}
-
-static RfResult list_folder( const char* pattern, const Pattern* parts, DIR* folder, int** frames, int* count, RfError* error )
-{
-    int room = 0;
-    for ( ;; )
-    {
-        errno = 0;
-        const struct dirent* entry = readdir( folder );
-        if ( entry == NULL && errno != 0 )
-            return rf_fail_io( pattern, "its folder cannot be read", errno, error );
-        if ( entry == NULL )
-            break;
-        int frame;
-        if ( match_name( parts, entry->d_name, &frame ) && !append( frames, count, &room, frame ) )
-            return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the list of frames", pattern );
-    }
-    if ( *count == 0 )
-        return rf_fail( error, RF_ERROR_IO, "%s: no such file", pattern );
-    qsort( *frames, (size_t)*count, sizeof( int ), rf_compare_frames );
-    return RF_OK;
-}
-
 RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfError* error )
 {
     *frames = NULL;
@@ -156,19 +120,27 @@ RfResult rf_sequence_frames( const char* pattern, int** frames, int* count, RfEr
     if ( parts.run == NULL )
         return rf_fail( error, RF_ERROR_USAGE, "%s: has no '#' that stands for the frame", pattern );
     char path[PATH_MAX];
+    struct dirent** entries;
     RF_TRY( rf_folder_of_file( pattern, path, sizeof path, error ) );
-    DIR* folder = opendir( path );
-    if ( folder == NULL )
+    int all = scandir( path, &entries, NULL, NULL );
+    if ( all < 0 )
         return rf_fail_io( pattern, "its folder cannot be read", errno, error );
-    RfResult result = list_folder( pattern, &parts, folder, frames, count, error );
-    closedir( folder );
-    if ( result != RF_OK )
+    int* list = malloc( ( (size_t)all + 1 ) * sizeof *list );
+    for ( int i = 0; i < all; ++i )
     {
-        free( *frames );
-        *frames = NULL;
-        *count = 0;
+        *count += list != NULL && match_name( &parts, entries[i]->d_name, list + *count );
+        free( entries[i] );
     }
-    return result;
+    free( entries );
+    if ( list != NULL && *count > 0 )
+    {
+        qsort( list, (size_t)*count, sizeof *list, rf_compare_frames );
+        *frames = list;
+        return RF_OK;
+    }
+    free( list );
+    return list == NULL ? rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for the list of frames", pattern )
+                        : rf_fail( error, RF_ERROR_IO, "%s: no such file", pattern );
 }
 
 static bool is_same_inode( const char* a, const char* b )

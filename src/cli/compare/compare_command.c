@@ -4,7 +4,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/options.h"
+#include "cli/options/shared_options.h"
 #include "cli/render/progress.h"
 #include "image/sequence.h"
 #include "measure/image_error.h"
@@ -521,9 +521,7 @@ int rf_command_compare( int argc, char** argv )
         RF_FLAG_OPTION( "overlap", &compare.in.overlap, "if the data windows differ, compare the pixels that both have" ),
         RF_TEXT_OPTION( "diff", &compare.diff, "FILE", "write the signed difference A - B as EXR; #### is the frame number",
                         .writes = ".exr" ),
-        RF_TEXT_OPTION( "json", &compare.json, "FILE", "write the result as JSON; - for standard output, instead of the table",
-                        .writes = ".json" ),
-        RF_FLAG_OPTION( "quiet", &compare.quiet, "no progress" ),
+        RF_RESULT_OPTIONS( compare, "write the result as JSON; - for standard output, instead of the table", "no progress" ),
     };
     const RfCommandTable table = {
         .command = COMMAND,

@@ -3,7 +3,7 @@
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
-#include "cli/options/options.h"
+#include "cli/options/shared_options.h"
 #include "cli/render/progress.h"
 #include "measure/flicker_sequence.h"
 #include "page/pass_groups.h"
@@ -503,9 +503,7 @@ int rf_command_flicker( int argc, char** argv )
                        .default_text = "the middle", .given = &flicker.column_given, .heading = RF_HEADING_OUTPUT ),
         RF_REAL_OPTION( "exposure", &flicker.exposure, -32, 32, "E", "exposure of the slit-scan in stops",
                         .given = &flicker.exposure_given, .heading = RF_HEADING_OUTPUT ),
-        RF_TEXT_OPTION( "json", &flicker.json, "FILE", "write the result as JSON; - for standard output, instead of the table",
-                        .writes = ".json", .heading = RF_HEADING_OUTPUT ),
-        RF_FLAG_OPTION( "quiet", &flicker.quiet, "no progress", .heading = RF_HEADING_OUTPUT ),
+        RF_RESULT_OPTIONS( flicker, "write the result as JSON; - for standard output, instead of the table", "no progress" ),
     };
     const RfCommandTable table = {
         .command = COMMAND,

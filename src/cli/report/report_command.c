@@ -2,6 +2,7 @@
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
+#include "cli/options/shared_options.h"
 #include "cli/report/report_frames.h"
 #include "cli/render/render_json.h"
 #include "image/atomic_file.h"
@@ -583,9 +584,7 @@ int rf_command_report( int argc, char** argv )
         RF_VIEW_OPTIONS( report.view, RF_HEADING_OUTPUT ),
         RF_TEXT_OPTION( "title", &report.title, "TEXT", "title of the page", .default_text = "the folders' names",
                         .heading = RF_HEADING_OUTPUT ),
-        RF_TEXT_OPTION( "json", &report.json, "FILE", "write the result as JSON; - for standard output", .writes = ".json",
-                        .heading = RF_HEADING_OUTPUT ),
-        RF_FLAG_OPTION( "quiet", &report.quiet, "no progress and no hints", .heading = RF_HEADING_OUTPUT ),
+        RF_RESULT_OPTIONS( report, "write the result as JSON; - for standard output", "no progress and no hints" ),
     };
     const RfCommandTable table = {
         .command = COMMAND,
