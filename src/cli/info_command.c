@@ -152,21 +152,15 @@ static void print_film( const RfSceneInfo* scene )
         rf_print( "size       %dx%d%s\n", scene->width, scene->height, scene->alpha ? ", with alpha" : "" );
 }
 
-// A line each, at most so many of them.
-static void print_names( const char* const* names, int count, int most )
+// A heading with their number, and a line for each, at most so many of them; nothing where there are none.
+static void print_list( const char* heading, const char* words, const char* const* names, int count, int most )
 {
+    if ( count > 0 )
+        rf_print( "%-10s %d%s\n", heading, count, words );
     for ( int i = 0; i < count && i < most; ++i )
         rf_print( "  %s\n", names[i] );
     if ( count > most )
         rf_print( "  and %d more\n", count - most );
-}
-
-static void print_moving( const RfSceneInfo* scene )
-{
-    if ( scene->moving_count > 0 )
-        rf_print( "%s     %d object%s\n", scene->frozen ? "frozen" : "moving", scene->moving_count,
-                  scene->moving_count == 1 ? "" : "s" );
-    print_names( scene->moving, scene->moving_count, MAX_MOVING );
 }
 
 // "light 'Desk'"
@@ -207,13 +201,6 @@ static void print_unrendered( const RfSceneInfo* scene )
         rf_print( "%s\n", scene->frozen ? "frozen as well" : "not rendered: an error, unless --freeze is given" );
     for ( int i = 0; i < scene->unrendered_count; ++i )
         rf_print( "  %s: %s\n", scene->unrendered[i].what, scene->unrendered[i].why );
-}
-
-static void print_variants( const RfSceneInfo* scene )
-{
-    if ( scene->variant_count > 0 )
-        rf_print( "variants   %d\n", scene->variant_count );
-    print_names( scene->variants, scene->variant_count, INT_MAX );
 }
 
 // "  key: lamp 'Desk', material 'bulb'": what shines in a light group; −1: in none, the layer of which is "rest".
@@ -266,21 +253,6 @@ static json_t* light_groups_json( const RfScene* scene, const RfSceneInfo* info 
     return groups;
 }
 
-static void print_losses( const RfSceneInfo* scene )
-{
-    if ( scene->export_loss_count > 0 )
-        rf_print( "LOST       by the export, %d: movements stand still, or the light of the picture is another\n",
-                  scene->export_loss_count );
-    print_names( scene->export_losses, scene->export_loss_count, INT_MAX );
-}
-
-static void print_warnings( const RfSceneInfo* scene )
-{
-    if ( scene->export_warning_count > 0 )
-        rf_print( "warnings   %d from the export\n", scene->export_warning_count );
-    print_names( scene->export_warnings, scene->export_warning_count, INT_MAX );
-}
-
 static void print_cameras( const Facts* facts )
 {
     rf_print( "cameras    %d\n", facts->scene.cameras );
@@ -331,7 +303,11 @@ static void print_info( const RfScene* scene, const Facts* facts )
 {
     const RfSceneInfo* s = &facts->scene;
     rf_print( "%s\n", s->path );
-    print_losses( s );
+    if ( s->export_loss_count > 0 )
+        rf_print( "LOST       by the export, %d: movements stand still, or the light of the picture is another\n",
+                  s->export_loss_count );
+    for ( int i = 0; i < s->export_loss_count; ++i )
+        rf_print( "  %s\n", s->export_losses[i] );
     rf_print( "triangles  %u", s->triangles );
     if ( s->stored_triangles < s->triangles )
         rf_print( " (%u in memory: instances share them)", s->stored_triangles );
@@ -348,14 +324,15 @@ static void print_info( const RfScene* scene, const Facts* facts )
                   s->bounds_max.x, s->bounds_max.y, s->bounds_max.z );
     print_light_groups( scene, s );
     print_film( s );
-    print_variants( s );
-    print_moving( s );
+    print_list( "variants", "", s->variants, s->variant_count, INT_MAX );
+    print_list( s->frozen ? "frozen" : "moving", s->moving_count == 1 ? " object" : " objects", s->moving, s->moving_count,
+                MAX_MOVING );
     print_changes( facts );
     print_unrendered( s );
     print_depth( facts );
     print_cameras( facts );
     print_effects( scene, &facts->render.settings );
-    print_warnings( s );
+    print_list( "warnings", " from the export", s->export_warnings, s->export_warning_count, INT_MAX );
 }
 
 static json_t* info_json( const RfScene* scene, const Facts* facts )
