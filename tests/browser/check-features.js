@@ -56,14 +56,6 @@ async function check_mix(page, check, look) {
   check(await page.locator("#mix").isHidden(), "the sliders belong to the mix");
 }
 
-async function check_filmic(page, check, look, mean) {
-  const before = await look(page);
-  await page.locator("#curve").selectOption("filmic");
-  const filmic = await look(page);
-  check((mean || filmic.hash !== before.hash) && (!mean || Math.abs(filmic.mean - mean) < 1.5), `the filmic curve: ${before.mean.toFixed(1)} becomes ${filmic.mean.toFixed(1)}`);
-  await page.locator("#curve").selectOption("srgb");
-}
-
 // The sequence whose stage is at a place of the panels.
 const sequence_at = (page, share) => page.evaluate(share => {
   const box = document.getElementById("panels").getBoundingClientRect(), stage = document.querySelector("figure:not([hidden]) .stage").getBoundingClientRect();
@@ -252,4 +244,4 @@ async function check_phone(browser, url, check, picture) {
   await context.close();
 }
 
-module.exports = { check_aovs, check_mix, check_filmic, check_wipe, check_zoom, check_probe, check_mattes, check_names, check_schemes, check_phone };
+module.exports = { check_aovs, check_mix, check_wipe, check_zoom, check_probe, check_mattes, check_names, check_schemes, check_phone };

@@ -43,19 +43,6 @@ async function decodeFrame(id) {
   return { cell, columns, rows, base, bitmap };
 }
 
-// Tone curve: display light, 0 to 1, for scene light.
-const s_curves = {
-  srgb: light => light,
-  // linear up to 0.6, then approaching 1 asymptotically
-  soft: light => light <= 0.6 ? light : 1 - 0.4 * Math.exp((0.6 - light) / 0.4),
-  // toe and shoulder of film: Krzysztof Narkowicz's fit of the ACES reference ("ACES Filmic Tone Mapping Curve", 2015), at the
-  // exposure that leaves middle grey, 0.18, where it is
-  filmic: light => {
-    const x = 0.7235 * light;
-    return x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
-  },
-};
-
 function encodeSrgb(light) {
   if (!(light > 0))
     return 0;
@@ -77,10 +64,10 @@ function lookUp(cube, r, g, b, out) {
     out[c] = cube[first + c] * (1 - most) + cube[second + c] * (most - middle) + cube[third + c] * (middle - least) + cube[last + c] * least + 0.5;
 }
 
-// Shows scene light at an exposure in stops: by a table where channels do not mix, or by the view's cube.
+// Shows scene light at an exposure in stops: by a view's cube, or without one (null) by a table of the sRGB curve.
 class Tone {
-  constructor(exposure, curve, cube) {
-    this.table = curve === "view" ? null : makeToneTable(exposure, curve);
+  constructor(exposure, cube) {
+    this.table = cube ? null : makeToneTable(exposure);
     if (this.table)
       return;
     this.cube = cube;
@@ -106,11 +93,11 @@ class Tone {
 }
 
 // The display byte for each level, at an exposure in stops.
-function makeToneTable(exposure, curve) {
-  const table = new Uint8Array(2 * HALF_TABLE), gain = Math.pow(2, exposure), shape = s_curves[curve];
+function makeToneTable(exposure) {
+  const table = new Uint8Array(2 * HALF_TABLE), gain = Math.pow(2, exposure);
   const low = -10 * STOP, high = 17 * STOP;
   for (let level = low; level < high; ++level)
-    table[level + HALF_TABLE] = encodeSrgb(shape(gain * (Math.pow(2, level / STOP) - FLOOR)));
+    table[level + HALF_TABLE] = encodeSrgb(gain * (Math.pow(2, level / STOP) - FLOOR));
   table.fill(table[high - 1 + HALF_TABLE], high + HALF_TABLE);
   return table;
 }

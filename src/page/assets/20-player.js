@@ -8,8 +8,7 @@ class Player {
   // { ids, layer, groups } of what is shown. `onChange()` follows each change of frame or setting.
   constructor(panels, count, fps, exposure, onChange) {
     Object.assign(this, { panels, count, fps, exposure, onChange, index: 0, shown: -1, turn: 0, playing: false });
-    this.curve = "srgb";
-    this.cube = null; // of the view, if the frames name one
+    this.cube = null; // of the view that is shown; null: the sRGB curve
     this.view = "picture";
     this.factors = {}; // of light groups, by name; 1 where there is none
     this.cache = new Map(); // of promised frames by id, the one that was used last behind the others
@@ -73,7 +72,7 @@ class Player {
   }
 
   paint() {
-    const tone = this.isData() ? new Tone(0, "srgb", null) : new Tone(this.exposure, this.curve, this.cube);
+    const tone = this.isData() ? new Tone(0, null) : new Tone(this.exposure, this.cube);
     this.panels.forEach((panel, i) => {
       const source = this.sources && this.sources[i];
       if (!source)
@@ -97,8 +96,8 @@ class Player {
     this.paint();
   }
 
-  setCurve(name) {
-    this.curve = name;
+  setCube(cube) {
+    this.cube = cube;
     this.paint();
   }
 

@@ -128,7 +128,6 @@ function connectControls(player, stage, data) {
   on("play", "click", () => player.toggle().catch(showFailure));
   on("exposure", "input", value => player.setExposure(Number(value)));
   on("exposure-reset", "click", () => player.setExposure(0));
-  on("curve", "change", value => player.setCurve(value));
   on("view", "change", value => player.setView(value).catch(showFailure));
   on("fps", "change", value => player.fps = value > 0 && value <= 240 ? Number(value) : player.fps);
   on("zoom-in", "click", () => stage.zoomTo(stage.zoom * 1.5));
@@ -203,9 +202,10 @@ function start() {
   const panels = data.sequences.map((sequence, index) => makePanel(sequence, index, data));
   const player = new Player(panels, data.frames.length, data.fps, data.exposure, () => shows.forEach(show => show()));
   if (data.view) {
-    player.cube = bytesOf("view-cube");
-    player.curve = "view";
-    element("curve").prepend(new Option(data.view, "view", true, true));
+    const cube = player.cube = bytesOf("view-cube"), curve = element("curve");
+    curve.prepend(new Option(data.view, "view", true, true));
+    curve.parentElement.hidden = false;
+    curve.addEventListener("change", () => player.setCube(curve.value === "view" ? cube : null));
   }
   const stage = new Stage(element("panels"), panels, (u, v, how) => probe.point(u, v, how), () => {
     element("zoom-value").textContent = `${Math.round(100 * stage.scale())} %`;

@@ -58,7 +58,7 @@ function showControls() {
   slider.value = live.following ? slider.max : player.index;
   element("frame-number").textContent = live.following || frames.length === 0 ? "" : `frame ${frames[player.index]}`;
   element("follow").setAttribute("aria-pressed", String(live.following));
-  element("exposure").disabled = element("curve").disabled = player.isData();
+  element("exposure").disabled = player.isData();
   element("exposure-value").textContent = player.exposure.toFixed(1);
   element("play").setAttribute("aria-label", player.playing ? "Pause" : "Play");
   element("play-icon").setAttribute("d", player.playing ? "M3 2h4v12H3zM9 2h4v12H9z" : "M4 2l10 6-10 6z");
@@ -109,7 +109,6 @@ on("play", "click", play);
 on("follow", "click", () => seek(-1));
 on("scrubber", "input", value => seek(Number(value)));
 on("exposure", "input", value => player.setExposure(Number(value)));
-on("curve", "change", value => player.setCurve(value));
 on("pass", "change", value => player.setView(value).catch(ignore));
 document.addEventListener("keydown", event => {
   if (event.target.matches("input, select, button") && event.key === " ")
