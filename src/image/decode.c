@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-// EXR from memory, by the reader for files (exr_read.c).
-
 static RfResult measure_exr( const RfEncoded* in, RfExrStream* stream, RfPixels* out, RfError* error )
 {
     RfExrPart part;
@@ -144,8 +142,6 @@ RfResult rf_measure_image( const void* bytes, size_t size, const char* name, RfP
     RfResult result = decode( ( RfEncoded ){ bytes, size, name, true }, out, error );
     return result == RF_ERROR_INTERRUPTED ? RF_OK : result;
 }
-
-// Loads equirectangular environment maps as linear RGB.
 
 #define MAX_FILE_BYTES ( (uint64_t)2 << 30 )
 

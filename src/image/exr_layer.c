@@ -432,8 +432,6 @@ RfResult rf_read_exr_layer( const char* path, const char* layer, RfImage* image,
     return rf_read_exr_picture( path, layer, image, window, &clipped, error );
 }
 
-// Reads channels by name, from whichever parts hold them.
-
 // The channels of one part and their positions in the interleaved output.
 typedef struct Interleaved
 {

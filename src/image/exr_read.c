@@ -15,8 +15,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Reads the pixels of an EXR, chunk by chunk and line by line.
-
 #define MAX_PIXELS ( (int64_t)1 << 28 )
 
 typedef struct Reader
@@ -337,8 +335,6 @@ RfResult rf_verify_exr( const char* path, bool* same, RfError* error )
     close( stream.fd );
     return result;
 }
-
-// Reads EXR files: images and attributes.
 
 RfResult rf_open_exr_file( const char* path, RfExrStream* stream, RfError* error )
 {

@@ -13,8 +13,6 @@
 #include <string.h>
 #include <unistd.h>
 
-// Verifies a written EXR.
-
 // Rounding to half has an error of up to half a unit in the last place: 2^-11 of the value, or
 // 2^-25 in the subnormal range.
 static bool is_half_of( float half, float value )

@@ -199,8 +199,6 @@ RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* co
     return p;
 }
 
-// What the measurement of cost renders with.
-
 // As many trials at a time as have room for their films and records, with a thread each.
 static void share_threads( CostStudy* s )
 {

@@ -38,8 +38,6 @@ typedef struct TrialPair
     int step_count;
 } TrialPair;
 
-// The cells with the most error of a trial.
-
 void rf_keep_worst_cell( double worst[RF_WORST_CELLS], double relmse )
 {
     for ( int k = 0; k < RF_WORST_CELLS; ++k )
@@ -570,8 +568,6 @@ size_t rf_test_region_bytes( int frames, size_t pixels )
 }
 
 size_t rf_trial_bytes( int eyes, size_t pixels ) { return 3 * (size_t)eyes * pixels * sizeof( float ); }
-
-// The gain of a trial over another one, and how sure it is.
 
 // Where the ten worst pixels hold 30 % of an error, 19 of 20 errors are below twice what is seen (render/README.md, "At
 // least"): rarer and larger ones have not been hit yet. So much is added to the margin of the error's logarithm, in

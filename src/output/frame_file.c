@@ -194,8 +194,6 @@ void rf_clean_output_folder( const char* pattern )
         rf_remove_leftovers( folder );
 }
 
-// Which render a frame is of.
-
 static uint64_t hash_text( uint64_t hash, const char* text ) { return rf_hash_bytes( hash, text, strlen( text ) + 1 ); }
 
 // Adds a text where it is not what all frames have had since before there was such a setting: an option that is added later leaves the
@@ -268,14 +266,19 @@ const char* rf_key_name( RfKey key ) { return s_names[key]; }
 
 static void put_text( Attributes* a, RfKey key, const char* value ) { a->values[key] = value; }
 
-__attribute__( ( format( printf, 3, 4 ) ) ) static void put( Attributes* a, RfKey key, const char* format, ... )
+// Nothing unless `is_set`.
+__attribute__( ( format( printf, 4, 5 ) ) ) static void put_if( bool is_set, Attributes* a, RfKey key, const char* format, ... )
 {
     va_list args;
+    if ( !is_set )
+        return;
     va_start( args, format );
     vsnprintf( a->texts[key], ATTRIBUTE_SIZE, format, args );
     va_end( args );
     a->values[key] = a->texts[key];
 }
+
+#define put( ... ) put_if( true, __VA_ARGS__ )
 
 static void put_files( Attributes* a, const RfFrameFiles* files )
 {
@@ -343,8 +346,7 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     put_text( a, RF_KEY_WEIGHTS, rf_weights_name( s->weights ) );
     put_text( a, RF_KEY_NORMALIZE, rf_normalize_name( s->normalize ) );
     put( a, RF_KEY_SEED, "%llu", (unsigned long long)s->seed );
-    if ( s->max_depth < RF_MAX_DEPTH )
-        put( a, RF_KEY_MAX_DEPTH, "%d", s->max_depth );
+    put_if( s->max_depth < RF_MAX_DEPTH, a, RF_KEY_MAX_DEPTH, "%d", s->max_depth );
     put( a, RF_KEY_LIGHT_SAMPLES, "%d", s->light_samples );
     if ( s->filter != RF_FILTER_BOX || s->filter_width != 1.0 )
     {
@@ -357,20 +359,14 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
         put_text( a, RF_KEY_CLAMP, "auto" );
     else if ( s->clamp != 0.0 )
         put( a, RF_KEY_CLAMP, "%.9g", s->clamp );
-    if ( s->clamp_chains > 0.0 )
-        put( a, RF_KEY_CLAMP_CHAINS, "%.9g", s->clamp_chains );
-    if ( s->noise > 0.0 )
-        put( a, RF_KEY_NOISE, "%.9g", s->noise );
-    if ( s->flicker > 0.0 )
-        put( a, RF_KEY_FLICKER, "%.9g", s->flicker );
-    if ( s->time > 0.0 )
-        put( a, RF_KEY_TIME, "%.9g", s->time );
-    if ( s->aovs != 0 )
-        put( a, RF_KEY_AOV, "%s", aovs );
+    put_if( s->clamp_chains > 0.0, a, RF_KEY_CLAMP_CHAINS, "%.9g", s->clamp_chains );
+    put_if( s->noise > 0.0, a, RF_KEY_NOISE, "%.9g", s->noise );
+    put_if( s->flicker > 0.0, a, RF_KEY_FLICKER, "%.9g", s->flicker );
+    put_if( s->time > 0.0, a, RF_KEY_TIME, "%.9g", s->time );
+    put_if( s->aovs != 0, a, RF_KEY_AOV, "%s", aovs );
     char kinds[RF_CRYPTOMATTE_TEXT_SIZE];
     rf_format_cryptomatte( s->cryptomatte, kinds );
-    if ( s->cryptomatte != 0 )
-        put( a, RF_KEY_CRYPTOMATTE, "%s", kinds );
+    put_if( s->cryptomatte != 0, a, RF_KEY_CRYPTOMATTE, "%s", kinds );
     put_text( a, RF_KEY_LIGHT_GROUPS, s->light_groups );
     if ( rf_is_other_estimator( s->estimator ) )
         put_text( a, RF_KEY_ESTIMATOR, rf_estimator_name( s->estimator ) );
@@ -388,8 +384,7 @@ static void put_effects( Attributes* a, const RfScene* scene )
 {
     char names[RF_EFFECTS_TEXT_SIZE];
     rf_format_effects( scene->effects_left_out, names, sizeof names );
-    if ( scene->effects_left_out != 0 )
-        put( a, RF_KEY_NO_EFFECT, "%s", names );
+    put_if( scene->effects_left_out != 0, a, RF_KEY_NO_EFFECT, "%s", names );
     rf_format_effects( scene->effects_forced, names, sizeof names );
     if ( scene->effects_forced != 0 )
         put( a, RF_KEY_EFFECTS, "%s",
@@ -403,8 +398,8 @@ static void put_shot( Attributes* a, const RfCameraPath* path, int frame )
     int first, end;
     RfGroupPlan plan = rf_plan_shots( path->eyes, path->count, 0, 1 );
     rf_shot_of_frame( &plan, frame, &first, &end );
-    if ( end - first < path->count )
-        put( a, RF_KEY_SHOT, "%d-%d", rf_frame_number( path, first ), rf_frame_number( path, end - 1 ) );
+    put_if( end - first < path->count, a, RF_KEY_SHOT, "%d-%d", rf_frame_number( path, first ),
+            rf_frame_number( path, end - 1 ) );
 }
 
 // How the scene wants its pictures to be shown.
@@ -429,12 +424,10 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put( a, RF_KEY_FRAMES, "%d", output->path->count );
     put_shot( a, output->path, frame->frame );
     const int* overscan = output->path->overscan;
-    if ( ( overscan[0] | overscan[1] ) != 0 )
-        put( a, RF_KEY_OVERSCAN, "%dx%d", overscan[0], overscan[1] );
-    if ( output->path->step > 1 )
-        put( a, RF_KEY_STEP, "%d", output->path->step );
-    if ( output->path->eyes[frame->frame].blur_steps > 0 )
-        put( a, RF_KEY_BLUR_STEPS, "%d", (int)output->path->eyes[frame->frame].blur_steps );
+    put_if( ( overscan[0] | overscan[1] ) != 0, a, RF_KEY_OVERSCAN, "%dx%d", overscan[0], overscan[1] );
+    put_if( output->path->step > 1, a, RF_KEY_STEP, "%d", output->path->step );
+    put_if( output->path->eyes[frame->frame].blur_steps > 0, a, RF_KEY_BLUR_STEPS, "%d",
+            (int)output->path->eyes[frame->frame].blur_steps );
     if ( isfinite( frame->relmse_estimate ) )
     {
         put( a, RF_KEY_RELMSE_ESTIMATE, "%.6g", frame->relmse_estimate );
@@ -454,10 +447,8 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
         put( a, RF_KEY_CLAMP_THRESHOLD, "%.6g", frame->clamp );
         put( a, RF_KEY_CLAMP_THRESHOLD_CHAINS, "%.6g", frame->clamp_chains );
     }
-    if ( frame->removes )
-        put( a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
-    if ( output->beyond_depth > 0.0 )
-        put( a, RF_KEY_BEYOND_DEPTH_SHARE, "%.6g", output->beyond_depth );
+    put_if( frame->removes, a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
+    put_if( output->beyond_depth > 0.0, a, RF_KEY_BEYOND_DEPTH_SHARE, "%.6g", output->beyond_depth );
     if ( output->settings.noise > 0.0 || output->settings.flicker > 0.0 )
         put_text( a, RF_KEY_REACHED, frame->reached ? "yes" : "no" );
     put_effects( a, rf_tracer_scene( output->tracer ) );

@@ -415,26 +415,32 @@ static bool parse_nothing( const RfOption* option, const char* text, void* value
     return false;
 }
 
-// Values of a type, and what is wanted, by the option's min and max.
+// Values of a type, and what is wanted on a command line and as JSON, by the option's min and max.
 static const struct
 {
     size_t size;
     bool ( *parse )( const RfOption* option, const char* text, void* value );
-    const char* wanted;
+    const char *wanted, *json;
 } s_types[] = {
-    [RF_OPTION_INT] = { sizeof( int ), parse_int, "a whole number from %.0f to %.0f" },
-    [RF_OPTION_UINT64] = { sizeof( uint64_t ), parse_unsigned, "a whole number from 0 to 18446744073709551615" },
-    [RF_OPTION_REAL] = { sizeof( double ), parse_real, "a number from %g to %g" },
+    [RF_OPTION_INT] = { sizeof( int ), parse_int, "a whole number from %.0f to %.0f", "a whole number from %.0f to %.0f" },
+    [RF_OPTION_UINT64] = { sizeof( uint64_t ), parse_unsigned, "a whole number from 0 to 18446744073709551615",
+                           "a whole number from 0 to 9223372036854775807" },
+    [RF_OPTION_REAL] = { sizeof( double ), parse_real, "a number from %g to %g", "a number from %g to %g" },
     [RF_OPTION_NOISE] = { sizeof( double ), parse_noise,
-                          "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%" },
-    [RF_OPTION_TIME] = { sizeof( double ), parse_time, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m" },
+                          "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%",
+                          "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"" },
+    [RF_OPTION_TIME] = { sizeof( double ), parse_time, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m",
+                         "a number from %g to %g" },
     [RF_OPTION_SIZE] = { sizeof( RfSize ), parse_size,
-                         "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k" },
-    [RF_OPTION_MEMORY] = { sizeof( size_t ), parse_memory, "a size such as 512M, 4G or 1.5G, at least %.0f bytes" },
-    [RF_OPTION_FPS] = { sizeof( RfFps ), parse_fps, "frames per second, such as 24, 29.97 or 30000/1001" },
-    [RF_OPTION_CHOICE] = { sizeof( int ), parse_choice, "" },
-    [RF_OPTION_STRING] = { sizeof( const char* ), parse_text, "a value that is not empty" },
-    [RF_OPTION_BOOL] = { sizeof( bool ), parse_nothing, "no value" },
+                         "WIDTHxHEIGHT, such as 960x540, each from %.0f to %.0f, or 720p, 1080p, 1440p, 2160p or 4k",
+                         "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f" },
+    [RF_OPTION_MEMORY] = { sizeof( size_t ), parse_memory, "a size such as 512M, 4G or 1.5G, at least %.0f bytes",
+                           "a string such as \"512M\" or \"4G\", at least %.0f bytes" },
+    [RF_OPTION_FPS] = { sizeof( RfFps ), parse_fps, "frames per second, such as 24, 29.97 or 30000/1001",
+                        "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"" },
+    [RF_OPTION_CHOICE] = { sizeof( int ), parse_choice, "", "one of " },
+    [RF_OPTION_STRING] = { sizeof( const char* ), parse_text, "a value that is not empty", "a string that is not empty" },
+    [RF_OPTION_BOOL] = { sizeof( bool ), parse_nothing, "no value", "true or false" },
 };
 
 static bool is_choice( const RfOption* option, const char* text )
@@ -443,9 +449,12 @@ static bool is_choice( const RfOption* option, const char* text )
     return parse_choice( option, text, &unused );
 }
 
-void rf_describe_wanted( const RfOption* option, const char* wanted, const char* quote, char* words, size_t size )
+void rf_describe_wanted( const RfOption* option, bool is_json, char* words, size_t size )
 {
     bool is_real = option->type == RF_OPTION_REAL;
+    const char *quote = is_json ? "\"" : "", *wanted = is_json ? s_types[option->type].json : s_types[option->type].wanted;
+    if ( is_json && option->bare != NULL )
+        rf_append( words, size, "true, false, or " );
     if ( is_real && option->negated != NULL )
         rf_append( words, size, "%s%s%s, ", quote, option->negated, quote );
     if ( is_real && option->keyword != NULL )
@@ -453,6 +462,8 @@ void rf_describe_wanted( const RfOption* option, const char* wanted, const char*
     rf_append( words, size, wanted, option->min, option->max );
     if ( option->type == RF_OPTION_INT && option->keyword != NULL )
         rf_append( words, size, " or %s%s%s", quote, option->keyword, quote );
+    if ( option->type == RF_OPTION_CHOICE )
+        rf_append_words( words, size, option->choices, ", ", is_json ? ", " : " or " );
 }
 
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error )
@@ -460,9 +471,7 @@ RfResult rf_parse_option_value( const RfOption* option, const char* text, RfErro
     char wanted[256] = "";
     if ( s_types[option->type].parse( option, text, option->value ) )
         return RF_OK;
-    rf_describe_wanted( option, s_types[option->type].wanted, "", wanted, sizeof wanted );
-    if ( option->type == RF_OPTION_CHOICE )
-        rf_append_words( wanted, sizeof wanted, option->choices, ", ", " or " );
+    rf_describe_wanted( option, false, wanted, sizeof wanted );
     return rf_fail( error, RF_ERROR_USAGE, "--%s: expected %s, got '%s'", option->name, wanted, text );
 }
 

@@ -137,8 +137,8 @@ int rf_run_command( const RfCommandTable* table, int argc, char** argv, const ch
 // Parses one value by the option's type.
 RfResult rf_parse_option_value( const RfOption* option, const char* text, RfError* error );
 
-// Appends what an option wants: `wanted`, formatted with its min and max, and its words in quotes.
-void rf_describe_wanted( const RfOption* option, const char* wanted, const char* quote, char* words, size_t size );
+// Appends what an option wants on a command line, or as JSON of a scene file.
+void rf_describe_wanted( const RfOption* option, bool is_json, char* words, size_t size );
 
 // A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
 bool rf_parse_noise( const char* text, double* relmse, const char** rest );

@@ -57,9 +57,6 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
     switch ( option->type )
     {
         case RF_OPTION_INT:
-            if ( string != NULL && is_same( string, option->keyword ) )
-                return string;
-            return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_REAL:
             if ( string != NULL && ( is_same( string, option->keyword ) || is_same( string, option->negated ) ) )
                 return string;
@@ -80,21 +77,6 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
     return NULL;
 }
 
-// What JSON values an option accepts, by its min and max.
-static const char* const s_wanted[] = {
-    [RF_OPTION_INT] = "a whole number from %.0f to %.0f",
-    [RF_OPTION_UINT64] = "a whole number from 0 to 9223372036854775807",
-    [RF_OPTION_REAL] = "a number from %g to %g",
-    [RF_OPTION_NOISE] = "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"",
-    [RF_OPTION_TIME] = "a number from %g to %g",
-    [RF_OPTION_SIZE] = "an array of width and height, such as [960, 540], each a whole number from %.0f to %.0f",
-    [RF_OPTION_FPS] = "a whole number from 1 to 1000000, 29.97 and the like, or a string such as \"24000/1001\"",
-    [RF_OPTION_CHOICE] = "one of ",
-    [RF_OPTION_MEMORY] = "a string such as \"512M\" or \"4G\", at least %.0f bytes",
-    [RF_OPTION_STRING] = "a string that is not empty",
-    [RF_OPTION_BOOL] = "true or false",
-};
-
 static RfResult take( const RfOption* option, const RfField* field )
 {
     if ( option->type == RF_OPTION_BOOL )
@@ -103,11 +85,7 @@ static RfResult take( const RfOption* option, const RfField* field )
     const char* text = to_text( option, field->json, buffer, sizeof buffer );
     if ( text != NULL && rf_parse_option_value( option, text, NULL ) == RF_OK )
         return RF_OK;
-    if ( option->bare != NULL )
-        rf_append( want, sizeof want, "true, false, or " );
-    rf_describe_wanted( option, s_wanted[option->type], "\"", want, sizeof want );
-    if ( option->type == RF_OPTION_CHOICE )
-        rf_append_words( want, sizeof want, option->choices, ", ", ", " );
+    rf_describe_wanted( option, true, want, sizeof want );
     if ( option->type != RF_OPTION_SIZE || text == NULL )
         return rf_field_must_be( field, want );
     for ( size_t i = 0; i < 2; ++i ) // two numbers
@@ -186,8 +164,6 @@ typedef struct RenderParse
 } RenderParse;
 
 _Static_assert( sizeof( RfWeights ) == sizeof( int ) && sizeof( RfColourSpace ) == sizeof( int ), "RF_ENUM" );
-
-// --overscan, --shutter, --fstop and --focus.
 
 static bool parse_number( const char* text, const char* end, double* number )
 {
@@ -358,8 +334,6 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
     }
     return result;
 }
-
-// The options of `reframe render`, a row each.
 
 static const char* const s_files[] = { "SCENE" };
 

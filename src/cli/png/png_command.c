@@ -71,8 +71,6 @@ static void close_file( PngFile* file )
     rf_destroy_exr_header( &file->header );
 }
 
-// The light groups.
-
 static int compare_words( const void* a, const void* b ) { return strcmp( *(char* const*)a, *(char* const*)b ); }
 
 // Sorts the words, of which there is at least one.
@@ -264,8 +262,6 @@ static RfResult draw_matte( const PngPicture* picture, const PngFile* file, RfIm
     free( values );
     return result;
 }
-
-// Passes.
 
 static RfResult draw_pass( const PngPicture* picture, const PngFile* file, RfImage* image, RfExrWindow* window, RfError* error )
 {

@@ -52,8 +52,6 @@ static RfResult probe_file( const char* name, RfError* error )
     return result == RF_OK ? RF_OK : rf_fail( error, result, "--preview: %.1000s", reason.text );
 }
 
-// The live page.
-
 typedef struct Reply
 {
     const char* type;     // "text/html"

@@ -38,8 +38,6 @@ typedef struct RfFrameErrors
     int first_rough, first_not_solved; // the number of the first of them
 } RfFrameErrors;
 
-// Internal to `reframe render`: its state, and all that is loaded and settled before the first ray.
-
 // State of a render, created in this order and freed by the command.
 typedef struct RfRenderJob
 {

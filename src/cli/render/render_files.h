@@ -8,8 +8,6 @@
 
 #include <jansson.h>
 
-// The files of a render: what is there already, and what is in the way.
-
 // Checks, before anything is rendered, that the pattern fits `count` frames
 // (indices from 0), that the folder is there (its last part is made where it is
 // missing) and can be written, and that no frame is in the way: an error
@@ -24,15 +22,11 @@ RfResult rf_prepare_output( const RfOutput* output, const RfRenderOptions* optio
 // Films for other frames of the same render are not used, and warned of.
 RfResult rf_find_films( RfFramesLeft* left, const RfRenderOptions* options, RfLog* log, FILE** films, RfError* error );
 
-// The frames that --resume keeps, in the result of the run that keeps them.
-
 // The array "frames" in ascending order: the elements of `rendered` and one for each of the
 // `count` kept frames (indices from 0). Figures of a kept frame come from its header, its seconds and specks
 // from the older JSON at options->json where that describes the same file, else null. The caller
 // owns the new array; NULL where memory ran out.
 json_t* rf_join_kept_frames( const RfRenderJob* job );
-
-// reframe render --check: which frames are there.
 
 // Looks at the file of every frame asked for: is it there, of this very render, and can all of it be read? Reports it, as JSON
 // too, with the ranges that --nodes asks for. RF_ERROR_IO unless every frame is finished.

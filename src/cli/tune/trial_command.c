@@ -63,16 +63,6 @@ void rf_format_figure( const RfInterval* value, char text[RF_FIGURE_SIZE] )
         snprintf( text, RF_FIGURE_SIZE, "?" );
 }
 
-void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size )
-{
-    bool slower = isless( gain->value, 1.0 );
-    if ( isfinite( gain->value ) )
-        snprintf( text, size, "about %.2f times %s than path tracing at equal flicker", slower ? 1.0 / gain->value : gain->value,
-                  slower ? "slower" : "faster" );
-    else
-        snprintf( text, size, "not compared with path tracing" );
-}
-
 void rf_format_span( double seconds, char* text, size_t size )
 {
     static const struct

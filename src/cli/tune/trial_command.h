@@ -68,8 +68,6 @@ bool rf_is_known( const RfInterval* value );
 // "1.8 times faster than path tracing at equal noise (95 %: 1.5 to 2.2)", "at least 5 times faster …", "not compared with …", or
 // how many seconds it takes to know, of which `spent` were spent.
 void rf_format_gain( const RfInterval* gain, double spent, char* text, size_t size );
-// The same at equal flicker, of which the interval is not known.
-void rf_tell_flicker_gain( const RfInterval* gain, char* text, size_t size );
 
 // A cell of a table: "0.042", ">0.011" or "?".
 #define RF_FIGURE_SIZE 24

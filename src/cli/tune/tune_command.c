@@ -286,6 +286,17 @@ static void append_promise( const Job* r, const RfTrialRow* row, char* text, siz
         rf_append( text, size, ", F1 about %.2g", row->f1 );
 }
 
+// As rf_format_gain at equal flicker, of which the interval is not known.
+static void format_flicker_gain( const RfInterval* gain, char* text, size_t size )
+{
+    bool slower = isless( gain->value, 1.0 );
+    if ( isfinite( gain->value ) )
+        snprintf( text, size, "about %.2f times %s than path tracing at equal flicker", slower ? 1.0 / gain->value : gain->value,
+                  slower ? "slower" : "faster" );
+    else
+        snprintf( text, size, "not compared with path tracing" );
+}
+
 // Two lines: the best setting and what it is worth, and what the render takes with it.
 static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
 {
@@ -300,7 +311,7 @@ static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( row->eyes, &row->tile, name, sizeof name );
     snprintf( gain, sizeof gain, "no group or tile is known to be faster at equal %s", flicker ? "flicker" : "noise" );
     if ( reuse && flicker )
-        rf_tell_flicker_gain( &row->gain, gain, sizeof gain );
+        format_flicker_gain( &row->gain, gain, sizeof gain );
     else if ( reuse )
         rf_format_gain( &row->gain, r->tune.seconds, gain, sizeof gain );
     snprintf( text, RF_VERDICT_SIZE, "best: %s, %s\n", name, gain );

@@ -223,8 +223,6 @@ static void apply_agx_look( const AgxLook* look, float rgb[3] )
     transform( s_look_out, rgb );
 }
 
-// Finding them by name.
-
 typedef enum ViewKind
 {
     VIEW_STANDARD,
