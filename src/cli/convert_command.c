@@ -1,4 +1,5 @@
 // reframe convert: other formats as .glb.
+#include "base/try.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"

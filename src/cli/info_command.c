@@ -1,4 +1,5 @@
 // reframe info: the content of a scene, what moves and changes in it, and the effects it calls for.
+#include "base/try.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"

@@ -1,5 +1,6 @@
 // reframe reconstruct: images from primal and gradients in EXR files.
 #include "base/system.h"
+#include "base/try.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"

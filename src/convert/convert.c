@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/remedy.h"
 #include "base/system.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "image/atomic_file.h"
 

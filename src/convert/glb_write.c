@@ -1,4 +1,5 @@
 // Writes a model as binary glTF 2.0: checks it, builds the JSON, then writes JSON and buffers in one atomic file.
+#include "base/try.h"
 #include "convert/model.h"
 
 #include "base/json.h"

@@ -1,6 +1,8 @@
 // Tokens of PLY: parses the header, and single values in ASCII or either byte order.
 #include "convert/ply_file.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,4 +1,5 @@
 // Builds a mesh from PLY: polygons are triangulated by ear clipping, strips are unrolled.
+#include "base/try.h"
 #include "convert/model.h"
 
 #include "base/file.h"

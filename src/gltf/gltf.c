@@ -2,6 +2,7 @@
 #include "gltf/gltf.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "reframe/error.h"

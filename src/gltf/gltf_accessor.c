@@ -1,4 +1,5 @@
 // Where the numbers of a document are: views of buffers, and accessors.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include <math.h>

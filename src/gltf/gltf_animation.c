@@ -1,5 +1,6 @@
 // Animations: the channels of all of them merged into one list sorted by node, and the time
 // span in which each node moves.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include <limits.h>

@@ -1,4 +1,5 @@
 // Bakes primitives into lists of triangles; what deforms them: morph targets, with their weights where nothing animates them, and skins.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include <float.h>

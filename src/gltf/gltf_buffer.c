@@ -1,4 +1,5 @@
 // Where the bytes of a document are: URIs, buffers, and views that meshoptimizer compressed.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"

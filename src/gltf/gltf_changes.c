@@ -1,4 +1,5 @@
 // What changes by keys and is not of a node: the list of it, and its way into the scene.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/placement.h"

@@ -1,6 +1,7 @@
 // Errors with the place in the document, typed reads of its values, which extensions are read, and variants of materials.
 #include "gltf/gltf_document.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "image/decode.h"
 

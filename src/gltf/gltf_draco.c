@@ -1,4 +1,5 @@
 // KHR_draco_mesh_compression: accessors of meshes that libdraco decodes; without the library, the uncompressed ones.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 #include "gltf/draco_mesh.h"
 

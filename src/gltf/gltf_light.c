@@ -1,4 +1,5 @@
 // Punctual lights.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"

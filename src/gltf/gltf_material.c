@@ -10,6 +10,7 @@
 //     {"coat": "added"}: glTF's own model, with a coat that takes nothing from the base, as in Blender's Principled
 //
 // and beside either or alone {"pass_index": 3}, for compositors, and {"light_group": "key"}, of what it emits.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/shared_json.h"

@@ -1,4 +1,5 @@
 // Meshes: the primitives of all instances are baked into the triangles of the scene, or once into a mesh that is placed.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/camera.h"

@@ -1,4 +1,5 @@
 // What moves, deforms, or is shown at times only: which nodes do, and how they become meshes, placements and movers.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/merge.h"

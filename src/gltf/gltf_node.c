@@ -1,4 +1,5 @@
 // Nodes: their transforms, their hierarchy, and instances at them.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/placement.h"

@@ -1,4 +1,5 @@
 // Primitives of meshes: triangles, only the vertices that they use, and tangents.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "scene/merge.h"

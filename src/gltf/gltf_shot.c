@@ -1,5 +1,6 @@
 // Cameras: one for each node of the default scene that has one; and `extras.reframe` of the scene: environment, view, settings of
 // a render, what moves, warnings of the exporter.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"

@@ -1,4 +1,5 @@
 // Textures of materials: their images, their uses, and what makes a material vary.
+#include "base/try.h"
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"

@@ -3,6 +3,8 @@
 
 #include "image/atomic_file.h"
 
+#include "base/try.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>

@@ -2,6 +2,7 @@
 #include "image/decode.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "image/decode_formats.h"
 #include "image/exr_stream.h"
 #include "reframe/image.h"

@@ -1,4 +1,5 @@
 // Radiance HDR by stb_image; its other formats are compiled out.
+#include "base/try.h"
 #include "image/decode_formats.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
 // WebP by libwebp: lossy, lossless, with alpha. A build without the library refuses it.
+#include "base/try.h"
 #include "image/decode_formats.h"
 
 #ifdef REFRAME_WEBP

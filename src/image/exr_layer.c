@@ -1,4 +1,5 @@
 // Finds the channels of a layer in an EXR by the naming conventions of renderers, and reads them.
+#include "base/try.h"
 #include "image/exr_stream.h"
 
 #include "base/remedy.h"

@@ -1,4 +1,5 @@
 // Reads EXR files: the pixels of a part, headers, whole images.
+#include "base/try.h"
 #include "image/exr.h"
 
 #include "base/file.h"

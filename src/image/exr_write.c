@@ -1,4 +1,5 @@
 // Writes EXR files, and reads back what was written.
+#include "base/try.h"
 #include "image/exr.h"
 
 #include "base/file.h"

@@ -1,4 +1,5 @@
 // JPEG in memory by libjpeg; its error handler jumps back here, so that a malformed file is only an error.
+#include "base/try.h"
 #include "image/encode.h"
 
 #include "image/decode_formats.h"

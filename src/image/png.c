@@ -1,4 +1,5 @@
 // PNG by libpng: writing and decoding.
+#include "base/try.h"
 #include "image/encode.h"
 
 #include "image/atomic_file.h"

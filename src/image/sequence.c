@@ -1,6 +1,7 @@
 // Patterns of frame numbers (#### or %04d) in file names: matches files, lists frames and gaps.
 #include "image/sequence.h"
 
+#include "base/try.h"
 #include "image/atomic_file.h"
 
 #include <ctype.h>

@@ -7,6 +7,7 @@
 #include "import/assimp_import.h"
 
 #include "base/file.h"
+#include "base/try.h"
 
 #include <assimp/cimport.h>
 #include <assimp/config.h>

@@ -2,6 +2,7 @@
 #include "measure/cost.h"
 
 #include "base/system.h"
+#include "base/try.h"
 #include "measure/image_error.h"
 #include "render/estimator.h"
 #include "render/groups.h"

@@ -2,6 +2,7 @@
 #include "measure/flicker_sequence.h"
 
 #include "base/remedy.h"
+#include "base/try.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,6 +2,7 @@
 #include "measure/image_error.h"
 
 #include "base/remedy.h"
+#include "base/try.h"
 #include "film/brightness.h"
 
 #include <math.h>

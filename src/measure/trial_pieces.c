@@ -2,6 +2,7 @@
 #include "measure/trial_pieces.h"
 
 #include "base/random.h"
+#include "base/try.h"
 #include "film/pixel_filter.h"
 #include "scene/projection.h"
 #include "trace/trace.h"

@@ -2,6 +2,7 @@
 #include "output/frame_file.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "film/aov.h"
 #include "film/cryptomatte.h"
 #include "image/atomic_file.h"

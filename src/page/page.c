@@ -1,6 +1,7 @@
 // Streams an HTML page: template, base64 blocks and JSON, with everything escaped for its place.
 #include "page/page.h"
 
+#include "base/try.h"
 #include "page/page_assets.h"
 
 #include <math.h>

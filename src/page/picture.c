@@ -1,6 +1,7 @@
 // Encodes HDR pictures for the page: a coarse base of brightness, and the detail over it as a JPEG.
 #include "page/picture.h"
 
+#include "base/try.h"
 #include "image/decode.h"
 #include "image/half.h"
 #include "image/encode.h"

@@ -55,15 +55,6 @@ typedef struct RfError
 // too. Control characters in the text are written as \n or \x1b, so it stays one line.
 RfResult rf_fail( RfError* error, RfResult code, const char* format, ... ) __attribute__( ( format( printf, 3, 4 ) ) );
 
-// Returns from a function that has nothing to free, with the result of a call that fails.
-#define RF_TRY( call )                                                                                                           \
-    do                                                                                                                           \
-    {                                                                                                                            \
-        RfResult rf_result = ( call );                                                                                           \
-        if ( rf_result != RF_OK )                                                                                                \
-            return rf_result;                                                                                                    \
-    } while ( 0 )
-
 // The stable name of a code, such as "RF_ERROR_IO".
 const char* rf_result_name( RfResult code );
 

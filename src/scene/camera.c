@@ -2,6 +2,7 @@
 #include "scene/camera.h"
 
 #include "base/json.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "scene/camera_path/camera_track.h"
 #include "scene/leave_out.h"

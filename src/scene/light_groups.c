@@ -2,6 +2,7 @@
 #include "scene/light_groups.h"
 
 #include "base/json.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "scene/placement.h"
 

@@ -2,6 +2,7 @@
 #include "scene/merge.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "scene/deformation.h"
 #include "scene/light_groups.h"
 #include "scene/movement.h"

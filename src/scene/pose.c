@@ -3,6 +3,7 @@
 
 #include "base/fault.h"
 #include "base/file.h"
+#include "base/try.h"
 #include "scene/movement.h"
 #include "scene/deformation.h"
 #include "scene/texture.h"

@@ -1,6 +1,8 @@
 // Profiles of lamps: read from IES files, and evaluated.
 #include "scene/profile.h"
 
+#include "base/try.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>

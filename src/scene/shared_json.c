@@ -2,6 +2,7 @@
 #include "scene/shared_json.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "image/decode.h"
 #include "reframe/image.h"

@@ -2,6 +2,7 @@
 #include "scene/texture.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "reframe/image.h"
 
 #include <limits.h>

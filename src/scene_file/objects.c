@@ -1,6 +1,7 @@
 // Reads `objects` of a scene file (places, keys, how an animation is played), and does to the scene what they say.
 #include "scene_file/objects.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "scene/camera_path/camera_track.h"

@@ -2,6 +2,7 @@
 #include "scene_file/scene_file.h"
 
 #include "base/file.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
 #include "scene/camera.h"

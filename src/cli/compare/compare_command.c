@@ -1,5 +1,6 @@
 // reframe compare A B: the error of image A against reference B, files or
 // sequences, frame by frame and over all frames.
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"

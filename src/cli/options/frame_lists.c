@@ -1,6 +1,7 @@
 // Frame lists, file patterns of sequences, and the cut of a render into ranges for several machines.
 #include "cli/options/frame_lists.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/options/render_options.h"
 #include "image/atomic_file.h"

@@ -1,6 +1,7 @@
 // Parses arguments by a table of options, and prints the help from it.
 #include "cli/options/options.h"
 
+#include "base/try.h"
 #include "cli/messages.h"
 #include "image/atomic_file.h"
 #include "image/sequence.h"

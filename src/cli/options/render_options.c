@@ -1,6 +1,7 @@
 // What is made of the options of `reframe render`.
 #include "cli/options/render_options.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/options/shared_options.h"
 #include "image/colour.h"

@@ -1,4 +1,5 @@
 // reframe png: EXR files as PNG, to look at: their colour, a pass, the light groups mixed anew, or the matte of a name.
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"

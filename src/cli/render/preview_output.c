@@ -2,6 +2,7 @@
 #include "cli/render/preview_output.h"
 
 #include "base/system.h"
+#include "base/try.h"
 #include "cli/messages.h"
 #include "cli/options/render_options.h"
 #include "image/atomic_file.h"

@@ -2,6 +2,7 @@
 #include "cli/render/render_command.h"
 
 #include "base/system.h"
+#include "base/try.h"
 #include "cli/commands.h"
 #include "cli/options/frame_lists.h"
 #include "cli/render/render_files.h"

@@ -1,6 +1,7 @@
 // Checks the frame files that exist: whole, damaged or of another render, for --resume and --check.
 #include "cli/render/render_files.h"
 
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"

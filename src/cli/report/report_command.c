@@ -1,4 +1,5 @@
 // reframe report DIR…: one self-contained HTML page of rendered sequences.
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"

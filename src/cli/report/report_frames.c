@@ -1,6 +1,7 @@
 // Finds the sequences of a report, and adds their frames to the page: pictures, passes, values for the probe, error and flicker.
 #include "cli/report/report_frames.h"
 
+#include "base/try.h"
 #include "cli/messages.h"
 #include "cli/render/progress.h"
 #include "cli/render/render_json.h"

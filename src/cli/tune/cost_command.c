@@ -1,5 +1,6 @@
 // reframe cost: what accuracy costs in time.
 #include "base/system.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"

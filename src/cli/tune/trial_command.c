@@ -2,6 +2,7 @@
 #include "cli/tune/trial_command.h"
 
 #include "base/system.h"
+#include "base/try.h"
 #include "cli/messages.h"
 #include "cli/options/frame_lists.h"
 #include "trace/trace.h"

@@ -1,5 +1,6 @@
 // reframe tune: finds the best group and tile by short renders.
 #include "base/plain_text.h"
+#include "base/try.h"
 #include "base/words.h"
 #include "cli/commands.h"
 #include "cli/messages.h"

@@ -1,6 +1,7 @@
 // View transforms: Blender's three by fits of our own, or those of an OpenColorIO configuration.
 #include "cli/view/view.h"
 
+#include "base/try.h"
 #include "cli/view/view_ocio.h"
 #include "image/decode.h"
 #include "output/frame_file.h"

@@ -1,4 +1,5 @@
 // The cameras of a whole path, and its cuts.
+#include "base/try.h"
 #include "scene/movement.h"
 
 #include "base/file.h"

@@ -1,6 +1,7 @@
 // The view and the optics of a camera path at a time.
 #include "scene/camera_path/camera_track.h"
 
+#include "base/try.h"
 #include "math/quat.h"
 #include "scene/eye.h"
 #include "scene/projection.h"

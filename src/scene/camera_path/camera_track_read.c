@@ -1,4 +1,5 @@
 // Reads and validates camera-path files (anim/camera-path.schema.json).
+#include "base/try.h"
 #include "scene/camera_path/camera_track.h"
 
 #include "math/quat.h"

@@ -1,6 +1,7 @@
 // Interpolates keys by centripetal Catmull-Rom splines, rotations as quaternions; waypoints by arc length.
 #include "scene/camera_path/curve.h"
 
+#include "base/try.h"
 #include "math/spline.h"
 
 #include <math.h>
