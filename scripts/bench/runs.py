@@ -156,8 +156,8 @@ def beside_blender():
 
 
 def in_blender(blender, script, *words, blend=None):
-    """The command that runs a script inside Blender, in a .blend or an empty scene."""
-    return [blender, "-b", "--factory-startup", *([blend] if blend else []), "--python-exit-code", "1", "-P", script, "--", *words]
+    """The command that runs a script inside Blender (a program, or a Python with bpy), in a .blend or an empty scene."""
+    return [sys.executable, "-B", os.path.join(BLENDER, "run"), "--with", blender, "-b", "--factory-startup", *([blend] if blend else []), "--python-exit-code", "1", "-P", script, "--", *words]
 
 
 def run_quietly(command):

@@ -8,6 +8,7 @@ import re
 import shlex
 import shutil
 import subprocess
+import sys
 import tempfile
 import threading
 
@@ -27,6 +28,11 @@ DONE = re.compile(r"frame \d+/\d+ .* (\d+) %|frame (\d+)/(\d+)")
 
 class Failed(Exception):
     pass
+
+
+def blender():
+    """What starts another Blender: this program, or the Python that has it as a module."""
+    return [bpy.app.binary_path] if bpy.app.binary_path else [sys.executable, "-B", os.path.join(os.path.dirname(EXPORTER), "as_program.py")]
 
 
 class Process:
@@ -180,7 +186,7 @@ class Exported:
         if self.accept_losses:
             options.append("--accept-losses")
         made = os.path.join(self.folder, name)
-        yield "exporting", [bpy.app.binary_path, "-b", "--factory-startup", scripts, copy, "-P", EXPORTER, "--", made, *options]
+        yield "exporting", [*blender(), "-b", "--factory-startup", scripts, copy, "-P", EXPORTER, "--", made, *options]
         for file in (name, name[:-len(".glb")] + "-sky.exr"):
             if os.path.exists(os.path.join(self.folder, file)):
                 shutil.move(os.path.join(self.folder, file), os.path.join(os.path.dirname(out), file))

@@ -4,8 +4,8 @@ import math
 import bpy
 import mathutils
 
-from .messages import fail, list_names, list_some, note, warn
-from .versions import motion_blur_of, panorama_of
+from .messages import fail, list_names, list_some, lose, note, warn
+from .versions import compositor_of, curve_lists, has_nodes, has_strips, motion_blur_of, panorama_of
 
 SHARP = 1e6  # f-number
 CUT = 1e-4  # frames between the last key before a cut and the first one behind it
@@ -49,6 +49,8 @@ def projection_of(scene, camera):
         return "perspective"
     if camera.data.type == "ORTHO":
         return "orthographic"
+    if camera.data.type != "PANO":
+        fail("'%s' is of the type %s: its rays are known to Blender alone" % (camera.name, camera.data.type.lower()))
     panorama = panorama_of(camera.data)
     kind = panorama.panorama_type.lower().replace("_", " ") if scene.render.engine == "CYCLES" else "panoramic, which only Cycles renders"
     if kind != "equirectangular":
@@ -192,9 +194,10 @@ def bake_camera(scene, name, recorder):
         baked.rotation_quaternion = turn
         baked.keyframe_insert("location", frame=number)
         baked.keyframe_insert("rotation_quaternion", frame=number)
-    for curve in baked.animation_data.action.fcurves:
-        for key in curve.keyframe_points:
-            key.interpolation = "LINEAR"
+    for curves in curve_lists(baked.animation_data):
+        for curve in curves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
     scene.camera = baked
     return baked
 
@@ -208,14 +211,18 @@ def is_box(curve):
     return all(abs(curve.evaluate(curve.curves[0], 0.1 * i) - 1.0) < 1e-3 for i in range(11))
 
 
+PLAIN_COMPOSITOR = ("R_LAYERS", "COMPOSITE", "VIEWER", "GROUP_OUTPUT", "REROUTE", "FRAME")  # nodes that leave pictures as they are
+
+
 def warn_of_pictures(scene):
     """What Blender does to whole pictures."""
     render, cycles = scene.render, scene.render.engine == "CYCLES"
     if cycles and abs(scene.cycles.film_exposure - 1.0) > 1e-6:
         warn("the film's exposure of %g is taken as one of the view: files have the scene's own light" % scene.cycles.film_exposure)
-    if scene.use_nodes and render.use_compositing and any(n.type not in ("R_LAYERS", "COMPOSITE", "VIEWER") for n in scene.node_tree.nodes):
+    compositor = compositor_of(scene) if render.use_compositing else None
+    if compositor is not None and any(n.type not in PLAIN_COMPOSITOR for n in compositor.nodes):
         warn("the compositor's nodes are left out: pictures are those of the camera")
-    if render.use_sequencer and scene.sequence_editor is not None and scene.sequence_editor.sequences:
+    if render.use_sequencer and has_strips(scene):
         warn("the sequencer's strips are left out: the scene itself is exported")
     if render.use_multiview:
         warn("stereoscopy is left out: one camera is exported")
@@ -235,6 +242,9 @@ def warn_of_pictures(scene):
 
 
 def warn_of_view(scene):
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    if space != "Linear Rec.709":
+        lose("the working colour space is %s: its colours are taken as those of Linear Rec.709" % space)
     if scene.view_settings.use_curve_mapping:
         warn("the view's curves are left out")
     if scene.display_settings.display_device != "sRGB":
@@ -289,7 +299,7 @@ def warn_of_effects(scene, camera):
     warn_of_pictures(scene)
     if scene.render.use_border:
         warn("the render region is ignored: the whole picture is exported")
-    out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and scene.world.use_nodes else None
+    out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and has_nodes(scene.world) else None
     if out is not None and out.inputs["Volume"].is_linked:
         warn("world '%s' has a volume: left out" % scene.world.name)
 

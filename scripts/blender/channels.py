@@ -7,7 +7,7 @@ import bpy
 import numpy
 
 from . import films
-from .versions import socket
+from .versions import mixed_inputs, socket
 
 Ref = namedtuple("Ref", "node output")  # a channel that varies: name of the node, number of its output
 
@@ -152,7 +152,7 @@ def image_behind_factor(node):
     if node.type == "MIX" and node.data_type == "RGBA" and node.blend_type == "MULTIPLY" and not node.clamp_result:
         if node.inputs[0].is_linked or node.inputs[0].default_value != 1.0:
             return node
-        pair = node.inputs[6:8]
+        pair = mixed_inputs(node)
     elif node.type == "MATH" and node.operation == "MULTIPLY" and not node.use_clamp:
         pair = node.inputs[0:2]
     else:
@@ -200,7 +200,7 @@ def number_source(folder, ref):
 
 def normal_source(folder, ref):
     node = folder.nodes[ref.node]
-    if node.type != "NORMAL_MAP" or node.space != "TANGENT" or node.inputs["Strength"].is_linked:
+    if node.type != "NORMAL_MAP" or node.space != "TANGENT" or getattr(node, "convention", "OPENGL") != "OPENGL" or node.inputs["Strength"].is_linked:
         return None
     if not node.inputs["Color"].is_linked:
         return None

@@ -18,6 +18,10 @@ import bmesh
 import bpy
 import numpy
 
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+from blender.versions import give_nodes, set_format  # noqa: E402
+
 numpy.bool = bool  # the importer of Blender 3.4 uses a name that numpy has removed
 
 
@@ -66,7 +70,7 @@ def scattering(nodes, description):
 
 
 def set_material(material, description):
-    material.use_nodes = True
+    give_nodes(material)
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     out = nodes.new("ShaderNodeOutputMaterial")
@@ -103,7 +107,7 @@ def cut_lamps(emitters):
 def set_world(scene, job, gltf):
     """Black, or the environment of the glTF. The centre of Reframe's map is at Blender's +y, of Blender's at +x."""
     scene.world = bpy.data.worlds.new("world")
-    scene.world.use_nodes = True
+    give_nodes(scene.world)
     nodes, links = scene.world.node_tree.nodes, scene.world.node_tree.links
     color = nodes["Background"].inputs["Color"]
     color.default_value = (0.0, 0.0, 0.0, 1.0)
@@ -128,7 +132,8 @@ def set_cycles(scene, job):
     render.resolution_x, render.resolution_y = job["size"]
     render.resolution_percentage = 100
     render.threads_mode, render.threads = "FIXED", job["threads"]
-    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    set_format(render.image_settings, "OPEN_EXR")
+    render.image_settings.color_depth = "32"
     render.image_settings.exr_codec = "NONE"
     scene.view_settings.view_transform = "Raw"
     cycles.device, cycles.samples, cycles.pixel_filter_type = "CPU", job["samples"], "BOX"

@@ -5,6 +5,7 @@ import numpy
 from . import bake, shader_tree
 from .messages import warn
 from .shapes import SHAPE
+from .versions import give_nodes
 
 
 def method_of(material):
@@ -60,7 +61,7 @@ def emits(plan, sign):
     """A copy of a material that emits its displacement, in the directions of one sign; black without one."""
     if plan is None or not plan.displaces:
         material = bpy.data.materials.new(COLOURS)
-        material.use_nodes = True
+        give_nodes(material)
         tree, vector = material.node_tree, None
         tree.nodes.clear()
     else:

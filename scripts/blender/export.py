@@ -34,6 +34,7 @@ try:
 except ImportError:  # Debian's Blender 4 comes without it
     fail("this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)")
 from blender import cameras, films, geometry, glb, lamp_keys, lights, materials, movement, moves, passes, sky, tracks, values  # noqa: E402
+from blender.versions import TRIED  # noqa: E402
 
 
 def watch(scene, camera, follow, numbers):
@@ -72,6 +73,8 @@ def main():
     hush()
     scene = bpy.context.scene
     first, last, step = frame_range(scene, args.frames)
+    if bpy.app.version[:2] > TRIED:
+        warn("Blender %d.%d is newer than those that this exporter was tried with, up to %d.%d" % (*bpy.app.version[:2], *TRIED))
     films.begin(args, range(first, last + 1, step), rate_of(scene))
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name

@@ -10,6 +10,7 @@ import bpy
 import numpy
 
 from .messages import folder_beside, refuse, warn
+from .versions import give_nodes, set_format
 
 KINDS = ("SEQUENCE", "MOVIE")
 READ = (".png", ".jpg", ".jpeg", ".webp")  # files that are copied as they are
@@ -67,7 +68,7 @@ def decode(image, numbers):
     mesh.from_pydata([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)], [], [(0, 1, 2, 3)])
     mesh.uv_layers.new().data.foreach_set("uv", (0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0))
     mesh.materials.append(material)
-    material.use_nodes = True
+    give_nodes(material)
     tree = material.node_tree
     tree.nodes.clear()
     node, shine, out = (tree.nodes.new("ShaderNode" + kind) for kind in ("TexImage", "Emission", "OutputMaterial"))
@@ -85,7 +86,8 @@ def decode(image, numbers):
     render.engine, scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", "CPU", 1, False
     scene.cycles.pixel_filter_type, scene.cycles.filter_width, render.dither_intensity = "BOX", 0.01, 0.0
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-    render.image_settings.file_format, render.image_settings.color_mode, render.use_file_extension = "PNG", "RGB", False
+    set_format(render.image_settings, "PNG")
+    render.image_settings.color_mode, render.use_file_extension = "RGB", False
     scene.view_settings.view_transform = "Raw"
     before = bpy.context.window.scene
     bpy.context.window.scene = scene

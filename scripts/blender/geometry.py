@@ -12,7 +12,7 @@ from . import shapes
 from .messages import list_names, list_some, note, warn
 from .movement import maker_of, shown_by
 from .moves import GEOMETRY, animated_paths
-from .versions import children_of, throws_shadow
+from .versions import adaptive_of, children_of, shadow_offset_of, throws_shadow
 
 ADAPTIVE_LEVELS, ADAPTIVE_FACES = 5, 250000  # at most, in the place of adaptive subdivision
 COARSE = 0.87  # the cosine of 30 degrees
@@ -36,11 +36,11 @@ def settle_modifiers(o):
 
 def settle_adaptive(scene, objects):
     """Cycles' adaptive subdivision follows the camera, on top of what the modifier does: further levels in its place."""
-    if scene.render.engine != "CYCLES" or scene.cycles.feature_set != "EXPERIMENTAL":
+    if scene.render.engine != "CYCLES":
         return
     for o in objects:
         last = o.modifiers[-1] if o.type == "MESH" and o.modifiers else None
-        if last is None or last.type != "SUBSURF" or not last.show_render or not o.cycles.use_adaptive_subdivision:
+        if last is None or last.type != "SUBSURF" or not last.show_render or not adaptive_of(scene, o, last):
             continue
         more, faces = 0, len(o.data.polygons) * 4 ** last.render_levels
         while more < ADAPTIVE_LEVELS and 4 * faces <= ADAPTIVE_FACES:
@@ -269,7 +269,7 @@ def is_coarse(o, depsgraph):
 def tell_coarse(shapes_seen):
     """Cycles moves the origins of shadow rays off coarse faces towards the smooth surface that their normals mean."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    tell([o for o in shapes_seen if o.cycles.shadow_terminator_geometry_offset > 0.0 and is_coarse(o, depsgraph)],
+    tell([o for o in shapes_seen if shadow_offset_of(o) > 0.0 and is_coarse(o, depsgraph)],
          "large smooth faces: darker than in Blender where they turn from the light")
 
 

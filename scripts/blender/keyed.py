@@ -8,6 +8,7 @@ from .channels import (ADDED, BLACK, Ref, WORDS, alpha_source, colour_source, co
 from .gloss import base_of_principled
 from .messages import warn
 from .values import differs
+from .versions import mixed_inputs
 
 KEYED = ("base", "metallic", "roughness", "emission", "alpha", "normal")
 CHANNELS = (*KEYED, *ADDED)
@@ -34,7 +35,7 @@ def factor_behind(node):
     """The constant that a node multiplies an image by, as a colour (channels.image_behind_factor)."""
     if image_behind_factor(node) == node:
         return WHITE
-    pair = node.inputs[6:8] if node.type == "MIX" else node.inputs[0:2]
+    pair = mixed_inputs(node)
     value = next(shader_tree.value_of(s) for s in pair if not s.is_linked)
     return value if isinstance(value, tuple) else (value,) * 3
 

@@ -11,14 +11,14 @@ from .channels import WHITE, is_constant, strength_of
 from .folding import Folder
 from .messages import lose
 from .values import differs
-from .versions import IS_4
+from .versions import IS_4, has_nodes, principled_of, socket
 
 STRENGTH = "extensions/KHR_materials_emissive_strength/emissiveStrength"
 
 
 def factor_of_nodes(light):
     """What a lamp's nodes multiply its colour by; of nodes that vary, the number that they are multiplied by."""
-    if not light.use_nodes or light.node_tree is None:
+    if not has_nodes(light):
         return WHITE
     out = light.node_tree.get_output_node("CYCLES")
     if out is None or not out.inputs["Surface"].is_linked:
@@ -28,8 +28,9 @@ def factor_of_nodes(light):
     return shine if is_constant(shine) else (strength_of(folder, shine)[1],) * 3
 
 
-def watts_of(light):
-    return [max(light.energy * a * b, 0.0) for a, b in zip(light.color, factor_of_nodes(light))]
+def watts_of(light, matrix):
+    energy, colour = lights.power_of(light, matrix)
+    return [max(energy * a * b, 0.0) for a, b in zip(colour, factor_of_nodes(light))]
 
 
 def size_of(light):
@@ -56,7 +57,7 @@ class Changing:
 
     def __init__(self, lamp, states):
         self.name, self.states, self.kind = lamp.name, states, lamp.data.type
-        self.watts = [watts_of(copy) for copy in states.copies]
+        self.watts = [watts_of(copy, lamp.matrix_world) for copy in states.copies]
         self.base = max(range(len(self.watts)), key=lambda i: (max(self.watts[i]), -i))
         self.sizes = [size_of(copy) for copy in states.copies] if self.kind != "SUN" else [(1.0,) * 3] * len(self.watts)
         self.cones = [cone_of(lamp, copy) for copy in states.copies] if self.kind == "SPOT" else None
@@ -100,7 +101,7 @@ class Changing:
         base, whole = self.sizes[self.base], [s[0] * s[1] for s in self.sizes]
         shares = self.shares([whole[self.base] / a if a > 0.0 else 0.0 for a in whole])
         name = o.data.materials[0].name
-        strength = lights.materials.socket(o.data.materials[0].node_tree.nodes["Principled BSDF"], "Emission Strength").default_value
+        strength = socket(principled_of(o.data.materials[0].node_tree), "Emission Strength").default_value
         most = max(max(s) for s in shares)
         values = self.of_each([[c / most for c in s] for s in shares])
         tracks.material(name, "emissiveFactor", values)

@@ -14,9 +14,29 @@ from .channels import WHITE, is_constant
 from .folding import Folder
 from .geometry import hidden_ways, shown_by
 from .messages import list_names, lose, warn
-from .versions import IS_4
+from .versions import IS_4, has_nodes
 
 NEAR = 7.0  # radii from a lamp of soft falloff, within which it gives 2 % less light than a sphere
+
+
+def power_of(light, matrix):
+    """The energy of a lamp and its colour, with what newer versions of Blender multiply them by: exposure, temperature, and the area by
+    which Cycles divides where the lamp's watts are not to depend on its size."""
+    energy, colour = light.energy * 2.0 ** getattr(light, "exposure", 0.0), tuple(light.color)
+    if getattr(light, "use_temperature", False):
+        colour = tuple(a * b for a, b in zip(colour, light.temperature_color))
+    return energy * (1.0 if getattr(light, "normalize", True) else light.area(matrix_world=matrix)), colour
+
+
+def settle_power(lamp):
+    """Puts all of it into energy and colour: Blender's exporter knows some of the rest."""
+    light = lamp.data
+    energy, colour = power_of(light, lamp.matrix_world)
+    largest = max(max(colour), 1.0)
+    light.energy, light.color = energy * largest, [c / largest for c in colour]
+    for name, value in (("exposure", 0.0), ("use_temperature", False), ("normalize", True)):
+        if hasattr(light, name):
+            setattr(light, name, value)
 
 
 def replace_area_light(scene, lamp):
@@ -70,7 +90,7 @@ def teller(lamp):
 
 def shine_of_nodes(lamp):
     """What a lamp's nodes multiply its colour by; nothing without nodes."""
-    if not lamp.data.use_nodes or lamp.data.node_tree is None:
+    if not has_nodes(lamp.data):
         return WHITE
     tell = teller(lamp)
     tree = lamp.data.node_tree
@@ -93,7 +113,7 @@ def fold_at(tree, number, intensity):
 
 def take_file(lamp):
     """The IES file of a lamp and how it is turned, or None. In the lamp's tree, the number 1 takes its place."""
-    if not lamp.data.use_nodes or lamp.data.node_tree is None:
+    if not has_nodes(lamp.data):
         return None
     tree = lamp.data.node_tree
     shader_tree.flatten(tree)
@@ -147,6 +167,8 @@ def fold_nodes(lamp):
         light.color = [max(w, 0.0) / largest for w in watts]
     light.energy = largest
     light.use_nodes = False
+    if light.node_tree is not None:  # which newer exporters of Blender read even so
+        light.node_tree.nodes.clear()
     return largest > 0.0 or min(watts) == 0.0
 
 
@@ -267,8 +289,9 @@ def prepare(scene, in_view, placed):
         lamp.data.name = lamp.name
         keyed = profiles.has_keyed_cone(lamp.data)
         lamp.data.animation_data_clear()
+        settle_power(lamp)
         file = take_file(lamp)
-        is_plain = not (lamp.data.use_nodes and lamp.data.node_tree is not None) and lamp.data.energy >= 0.0
+        is_plain = not has_nodes(lamp.data) and lamp.data.energy >= 0.0
         if not is_plain and not fold_nodes(lamp):
             bpy.data.objects.remove(lamp)
             continue

@@ -12,14 +12,14 @@ from .channels import ADDED, BLACK, COLOURS, Ref, WHITE, is_constant, link_textu
 from .gloss import base_of_principled
 from .messages import warn
 from .plans import VARYING, channels_tell, is_ours, make_plan
-from .versions import socket, socket as input_of
+from .versions import give_nodes, has_nodes, principled_of, socket, socket as input_of
 
 
 def glow(name, color, strength):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    give_nodes(material)
     material.use_backface_culling = True  # one-sided
-    principled = material.node_tree.nodes["Principled BSDF"]
+    principled = principled_of(material.node_tree)
     principled.inputs["Base Color"].default_value = (0, 0, 0, 1)
     principled.inputs["Roughness"].default_value = 1.0
     socket(principled, "Specular").default_value = 0.0
@@ -60,6 +60,20 @@ def tell_missing_libraries():
             warn("library '%s' is missing: what comes from it is left out" % library.filepath)
 
 
+def grey_material():
+    """What Cycles shows of surfaces without a material: the nodes of a new one, where these have some (in Blender 5), else diffuse grey."""
+    material = bpy.data.materials.new("no material")
+    if has_nodes(material):
+        return material
+    give_nodes(material)
+    tree = material.node_tree
+    tree.nodes.clear()
+    diffuse, out = tree.nodes.new("ShaderNodeBsdfDiffuse"), tree.nodes.new("ShaderNodeOutputMaterial")
+    diffuse.inputs["Color"].default_value = (GREY, GREY, GREY, 1.0)
+    tree.links.new(diffuse.outputs[0], out.inputs["Surface"])
+    return material
+
+
 def give_grey(objects):
     """What has no material is grey in Blender, not glTF's white metal."""
     grey = None
@@ -68,10 +82,7 @@ def give_grey(objects):
         empty = [s for s in o.material_slots if s.material is None]
         if not empty and len(o.material_slots) > 0:
             continue
-        if grey is None:
-            grey = bpy.data.materials.new("no material")
-            grey.diffuse_color = (GREY, GREY, GREY, 1.0)
-            grey.use_nodes = False
+        grey = grey or grey_material()
         if len(o.material_slots) == 0:
             data.materials.append(grey)
         for slot in o.material_slots:
@@ -80,7 +91,7 @@ def give_grey(objects):
     for mesh in bpy.data.meshes:  # of objects that are not exported: the exporter looks at all of them
         for i, material in enumerate(mesh.materials if mesh.library is None else []):
             if material is None:
-                grey = grey or bpy.data.materials.new("no material")
+                grey = grey or grey_material()
                 mesh.materials[i] = grey
 
 
@@ -222,7 +233,7 @@ def guess(name):
 
 def new_material(like, name):
     material = bpy.data.materials.new(name)
-    material.use_nodes = True
+    give_nodes(material)
     if like is not None:
         for key in like.keys():
             if key not in ("cycles",):
@@ -244,7 +255,7 @@ def shell(plan, name):
         return material, tree, principled
     material = new_material(plan.material, name)
     tree = material.node_tree
-    return material, tree, tree.nodes["Principled BSDF"]
+    return material, tree, principled_of(tree)
 
 
 INPUTS = {"base": "Base Color", "metallic": "Metallic", "roughness": "Roughness", "emission": "Emission", "alpha": "Alpha",

@@ -4,32 +4,33 @@ import hashlib
 import bpy
 import numpy
 
+from .versions import curve_lists
 
 SWITCHES = ("hide_render", "hide_viewport")
 OF_RENDERS = ("show_render", "render_levels", "render_steps")  # of modifiers
 OF_VIEWPORT = ("show_viewport", "levels", "steps")  # of them in the same order
 
 
-def actions_of(o):
-    """The keys of an object: those of its action, and of its strips."""
+def lists_of(o):
+    """The keys of an object: lists of the F-curves of its action, and of its strips."""
     animation = o.animation_data
     if animation is None:
         return []
-    actions = [animation.action] + [strip.action for track in animation.nla_tracks for strip in track.strips]
-    return [action for action in actions if action is not None]
+    holders = [animation] + [strip for track in animation.nla_tracks for strip in track.strips]
+    return [curves for holder in holders for curves in curve_lists(holder)]
 
 
 def animated_paths(o):
     """The properties of an object that keys, strips or drivers change."""
-    curves = [curve for action in actions_of(o) for curve in action.fcurves]
+    curves = [curve for curves in lists_of(o) for curve in curves]
     return {curve.data_path for curve in curves + list(o.animation_data.drivers if o.animation_data is not None else [])}
 
 
 def follow(o):
     """Drives the viewport's switch by that of renders; the object is evaluated in all frames then, also where it is hidden."""
-    for action in actions_of(o):
-        for curve in [c for c in action.fcurves if c.data_path == "hide_viewport"]:
-            action.fcurves.remove(curve)  # Blender hides by the keys before it looks at the driver
+    for curves in lists_of(o):
+        for curve in [c for c in curves if c.data_path == "hide_viewport"]:
+            curves.remove(curve)  # Blender hides by the keys before it looks at the driver
     o.driver_remove("hide_viewport")
     driver = o.driver_add("hide_viewport").driver
     driver.type = "SUM"
@@ -40,9 +41,9 @@ def follow(o):
 
 def follow_modifiers(o):
     """The viewport's keys of what renders have of modifiers, which are not those of renders."""
-    for action in actions_of(o):
-        for curve in [c for c in action.fcurves if c.data_path.startswith("modifiers[") and c.data_path.endswith(OF_VIEWPORT)]:
-            action.fcurves.remove(curve)
+    for curves in lists_of(o):
+        for curve in [c for c in curves if c.data_path.startswith("modifiers[") and c.data_path.endswith(OF_VIEWPORT)]:
+            curves.remove(curve)
 
 
 class Frames:

@@ -7,7 +7,7 @@ from .folding import Folder, settle_flat
 from .gloss import tell_held
 from .messages import lose, warn
 from .shader_tree import view_nodes
-from .versions import has_transparent_shadow, is_principled_2
+from .versions import has_nodes, has_transparent_shadow, is_principled_2
 
 VARYING = ("base", "metallic", "roughness", "emission", "alpha", "normal")  # what glTF has textures for
 EXPORTED = {"f0": "Specular", "transmission": "Transmission", "clearcoat": "Clearcoat",
@@ -89,7 +89,7 @@ def make_plan(material, users, still=None):
     """`still`: a copy of a material that changes, as it is in some of the frames; what is lost is not told yet."""
     plan = Plan(material, users)
     plan.is_quiet = still is not None
-    if not material.use_nodes or material.node_tree is None:
+    if not has_nodes(material):
         plan.surface = finish(Surface(base=tuple((still or material).diffuse_color)[:3], specular=0.0))
         return plan
     plan.copy = still or copy_of(material)

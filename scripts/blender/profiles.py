@@ -8,7 +8,7 @@ import os
 import bpy
 import numpy
 
-from .versions import IS_4
+from .versions import IS_4, curve_lists
 
 WATTS = 4.0 * math.pi / 177.83  # of a lamp, for each candela of a file
 TOLERANCE = 0.002  # of the most, that the table may be off between its angles
@@ -199,7 +199,7 @@ def has_keyed_cone(light):
     data = light.animation_data
     if light.type != "SPOT" or data is None:
         return False
-    curves = list(data.drivers) + (list(data.action.fcurves) if data.action is not None else [])
+    curves = list(data.drivers) + [curve for curves in curve_lists(data) for curve in curves]
     return any(curve.data_path.startswith("spot_") for curve in curves)
 
 

@@ -8,7 +8,7 @@ from .channels import BLACK, Ref, WHITE, is_constant
 # properties of the editor, and those that copying a node by its values must not touch
 SKIPPED = {"rna_type", "name", "label", "location", "width", "width_hidden", "height", "dimensions", "select", "parent", "color",
            "use_custom_color", "show_options", "show_preview", "show_texture", "hide", "mute", "type", "inputs", "outputs",
-           "internal_links", "interface", "is_active_output", "node_tree", "target"}
+           "internal_links", "interface", "is_active_output", "node_tree", "target", "location_absolute", "color_tag", "warning_propagation"}
 DEEPEST = 16  # levels of groups
 
 
@@ -114,6 +114,11 @@ def through_muted(node):
     return lambda output: ways.get(output.identifier)
 
 
+def by_identifier(sockets, like):
+    """The socket of a copied node, or None where it does not have it."""
+    return next((s for s in sockets if s.identifier == like.identifier), None)
+
+
 def inline(tree, group):
     """Replaces a group by copies of its nodes."""
     inner = group.node_tree
@@ -127,11 +132,15 @@ def inline(tree, group):
             if link.from_socket.identifier in outer:
                 connect(tree, outer[link.from_socket.identifier], target)
         else:
-            tree.links.new(copies[source.name].outputs[list(source.outputs).index(link.from_socket)], target)
+            output = by_identifier(copies[source.name].outputs, link.from_socket)
+            if output is not None:
+                tree.links.new(output, target)
 
     for link in inner.links:
         if link.to_node.name in copies and link.from_socket.enabled:
-            feed(link, copies[link.to_node.name].inputs[list(link.to_node.inputs).index(link.to_socket)])
+            target = by_identifier(copies[link.to_node.name].inputs, link.to_socket)
+            if target is not None:
+                feed(link, target)
     for output in group.outputs:
         targets = [link.to_socket for link in output.links]
         for target in targets:

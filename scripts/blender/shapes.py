@@ -23,6 +23,7 @@ from .glb_data import FLOAT, UNSIGNED_INT
 from .messages import lose
 from .moves import trees_within
 from .skins import Skin, influences_of, pose_of
+from .versions import has_nodes
 
 STILL, DEFORMS, CHANGES = "still", "deforms", "changes"
 SHAPE = "reframe shape"  # a property of meshes: the number of their shape
@@ -63,7 +64,7 @@ def materials_of(o, mesh):
 
 def asked_for(o, mesh):
     """The attributes that materials ask for, besides coordinates."""
-    trees = [t for m in materials_of(o, mesh) if m is not None and m.use_nodes for t in trees_within(m.node_tree)]
+    trees = [t for m in materials_of(o, mesh) if m is not None and has_nodes(m) for t in trees_within(m.node_tree)]
     names = {n.attribute_name for t in trees for n in t.nodes if n.type == "ATTRIBUTE"}
     names |= {n.layer_name for t in trees for n in t.nodes if n.type == "VERTEX_COLOR"}
     colours = set(mesh.color_attributes.keys()) if "" in names else set()

@@ -9,7 +9,7 @@ from . import bake, glb, plans, shader_tree
 from .channels import is_constant, strength_of
 from .folding import Folder
 from .messages import blenders_error, fail, lose, refuse, warn
-from .versions import panorama_of
+from .versions import has_nodes, has_sun_by_angles, panorama_of, set_format
 
 LARGEST_MAP = 8192  # pixels across
 SKY_MAP = 2048  # if no image determines the size
@@ -18,7 +18,7 @@ SKY_SAMPLES = (4, 256)  # of a pixel, and at most with a sun, whose edge decides
 
 def plain_radiance(world):
     """The radiance of a world of constant colour; None if it needs a map."""
-    if not world.use_nodes:
+    if not has_nodes(world):
         return list(world.color)
     out = world.node_tree.get_output_node("CYCLES")
     links = out.inputs["Surface"].links if out is not None else []
@@ -61,7 +61,7 @@ def check_world(world):
 
 
 def has_sun(world):
-    return any(n.type == "TEX_SKY" and n.sky_type == "NISHITA" and n.sun_disc for n in nodes_behind(world.node_tree.get_output_node("CYCLES")))
+    return any(n.type == "TEX_SKY" and has_sun_by_angles(n) and n.sun_disc for n in nodes_behind(world.node_tree.get_output_node("CYCLES")))
 
 
 def render_map(world, across, exact, path):
@@ -82,7 +82,8 @@ def render_map(world, across, exact, path):
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
     render.resolution_x, render.resolution_y, render.resolution_percentage = across, max(across // 2, 1), 100
-    render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
+    set_format(render.image_settings, "OPEN_EXR")
+    render.image_settings.color_depth = "32"
     render.image_settings.color_mode, render.image_settings.exr_codec = "RGB", "ZIP"
     render.use_file_extension = False
     render.filepath = path
@@ -119,8 +120,8 @@ class Look:
 
     def __init__(self, world):
         self.world, self.shows, self.factor, self.turn = world, "constant", 1.0, 0.0
-        self.radiance = None if world.use_nodes else list(world.color)
-        out = world.node_tree.get_output_node("CYCLES") if world.use_nodes else None
+        self.radiance = None if has_nodes(world) else list(world.color)
+        out = world.node_tree.get_output_node("CYCLES") if has_nodes(world) else None
         if out is None or not out.inputs["Surface"].is_linked:
             self.radiance = self.radiance or [0.0] * 3
             return
@@ -143,7 +144,7 @@ def turn_of(nodes):
     """By how much all that depends on the direction is turned about the vertical, which is set to 0 for a comparison, and what undoes
     that. Points are turned before a texture is looked up: the other way."""
     textures = [n for n in nodes if n.type.startswith("TEX_") and n.type != "TEX_COORD"]
-    if textures and all(n.type == "TEX_SKY" and n.sky_type == "NISHITA" and not n.inputs["Vector"].is_linked for n in textures):
+    if textures and all(n.type == "TEX_SKY" and has_sun_by_angles(n) and not n.inputs["Vector"].is_linked for n in textures):
         before = [(n, n.sun_rotation) for n in textures]
         for node in textures:
             node.sun_rotation -= before[0][1]

@@ -17,6 +17,7 @@ import bpy
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
 from blender.cycles import set_cycles, write_animations  # noqa: E402
+from blender.versions import give_nodes  # noqa: E402
 
 RADIUS = 0.5
 DISTANCE = 5.0  # of the camera from a sphere
@@ -42,7 +43,7 @@ class Shader:
 
     def __init__(self, name):
         self.material = bpy.data.materials.new(name)
-        self.material.use_nodes = True
+        give_nodes(self.material)
         self.tree, self.height = self.material.node_tree, None
         self.tree.nodes.clear()
 
@@ -322,7 +323,7 @@ def put_camera(scene, places, fill):
 
 def put_world(scene, brightness):
     scene.world = bpy.data.worlds.new("world")
-    scene.world.use_nodes = True
+    give_nodes(scene.world)
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*(brightness,) * 3, 1.0)
     scene.world.cycles.sampling_method = "NONE"  # scattered rays alone have the least noise in even light
 

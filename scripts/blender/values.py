@@ -5,6 +5,7 @@ import bpy
 
 from . import films, shader_tree
 from .moves import animated_paths, trees_within
+from .versions import has_nodes
 
 ROOM = 1e-6  # values that differ by less, of 1, are the same
 
@@ -31,7 +32,7 @@ class Source:
 
     def __init__(self, block):
         self.block = block
-        trees = trees_within(block.node_tree) if block.use_nodes and block.node_tree is not None else []
+        trees = trees_within(block.node_tree) if has_nodes(block) else []
         self.paths = [(owner, path) for owner in [block, *trees] for path in sorted(animated_paths(owner))]
         nodes = [(tree, node.name) for tree in trees for node in tree.nodes]
         self.films = [(tree, name) for tree, name in nodes if films.is_film(tree.nodes[name])]

@@ -1,5 +1,9 @@
-"""What Blender 3 and 4 call differently: found by what a node, a lamp or an operator offers; by version only what no name shows."""
+"""What versions of Blender from 3.4 on call differently: found by what a node, a lamp or an operator offers; by version only what no
+name shows.
+"""
 import bpy
+
+TRIED = (5, 2)  # the newest version known here; later ones are tried, and that is said
 
 PRINCIPLED = {  # sockets of Principled, by the names of Blender 3
     "Specular": "Specular IOR Level", "Emission": "Emission Color", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
@@ -19,6 +23,86 @@ def socket(node, name):
 def is_principled_2(node):
     """Is it the layered model of Blender 4?"""
     return "Specular IOR Level" in node.inputs
+
+
+def has_nodes(block):
+    """Does a material, a world or a lamp look as its nodes say? Blender 5 has no switch for it but for lamps."""
+    switch = block.bl_rna.properties.get("use_nodes")
+    is_on = switch is None or getattr(switch, "is_deprecated", False) or block.use_nodes
+    return is_on and block.node_tree is not None
+
+
+def give_nodes(block):
+    if not has_nodes(block):
+        block.use_nodes = True
+
+
+def principled_of(tree):
+    """The Principled node of a new material."""
+    node = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None)
+    if node is None:
+        node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+        out = next((n for n in tree.nodes if n.type == "OUTPUT_MATERIAL"), None) or tree.nodes.new("ShaderNodeOutputMaterial")
+        tree.links.new(node.outputs[0], out.inputs["Surface"])
+    return node
+
+
+def mixed_inputs(node):
+    """The two inputs of a Mix or Math node that it mixes or multiplies, by its type of data."""
+    if node.type != "MIX":
+        return list(node.inputs[0:2])
+    kind = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}.get(node.data_type, "")
+    return [s for s in node.inputs if s.identifier in ("A_" + kind, "B_" + kind)]
+
+
+def curve_lists(holder):
+    """The lists of F-curves by which animation data or a strip of it move a data-block: those of the action; where actions have slots
+    (from Blender 4.4 on), those of its slot in all the strips of the action's layers."""
+    action = holder.action
+    if action is None:
+        return []
+    if not hasattr(holder, "action_slot"):
+        return [action.fcurves]
+    slot = holder.action_slot
+    bags = [strip.channelbag(slot) for layer in action.layers for strip in layer.strips] if slot is not None else []
+    return [bag.fcurves for bag in bags if bag is not None]
+
+
+def compositor_of(scene):
+    """The compositor's nodes that change pictures, or None."""
+    if hasattr(scene, "compositing_node_group"):
+        return scene.compositing_node_group
+    return scene.node_tree if scene.use_nodes else None
+
+
+def has_strips(scene):
+    """Has the sequencer strips?"""
+    editor = scene.sequence_editor
+    return editor is not None and len(editor.strips if hasattr(editor, "strips") else editor.sequences) > 0
+
+
+def adaptive_of(scene, o, modifier):
+    """Is adaptive subdivision on for the last modifier of an object? Once an experimental feature of Cycles."""
+    if hasattr(modifier, "use_adaptive_subdivision"):
+        return modifier.use_adaptive_subdivision
+    return scene.cycles.feature_set == "EXPERIMENTAL" and o.cycles.use_adaptive_subdivision
+
+
+def has_sun_by_angles(node):
+    """Is a sky texture of a model that knows the sun's elevation and rotation, not a direction?"""
+    return node.sky_type in ("NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING")
+
+
+def shadow_offset_of(o):
+    """How far Cycles moves the origins of shadow rays off coarse faces."""
+    return (o if hasattr(o, "shadow_terminator_geometry_offset") else o.cycles).shadow_terminator_geometry_offset
+
+
+def set_format(settings, file_format):
+    """Of the files of renders; Blender 5 asks first for their medium."""
+    if hasattr(settings, "media_type"):
+        settings.media_type = {"OPEN_EXR_MULTILAYER": "MULTI_LAYER_IMAGE", "FFMPEG": "VIDEO"}.get(file_format, "IMAGE")
+    settings.file_format = file_format
 
 
 def panorama_of(camera):

@@ -145,7 +145,7 @@ def world_sky():
     stage()
     tree, background = world()
     sky = add(tree, "TexSky")
-    sky.sky_type, sky.sun_elevation, sky.sun_rotation = "NISHITA", math.radians(35), math.radians(200)
+    sky.sun_elevation, sky.sun_rotation = math.radians(35), math.radians(200)
     feed(tree, background, "Color", sky)
     feed(tree, background, "Strength", 0.1)
 

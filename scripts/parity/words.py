@@ -1,4 +1,4 @@
-"""Words for making scenes in Blender, in few lines each. Written for Blender 3.4 and 4.3."""
+"""Words for making scenes in Blender, in few lines each. For Blender 3.4 and later."""
 import math
 import os
 
@@ -6,7 +6,7 @@ import bpy
 import numpy
 from mathutils import Vector
 
-from blender.versions import socket
+from blender.versions import curve_lists, give_nodes, socket
 
 SCENES = {}
 SIZE = (64, 48)
@@ -80,7 +80,7 @@ def ramp(tree, factor, *stops):
 def material(name, make):
     """make(tree) gives the shader, or the shader and a displacement."""
     made = bpy.data.materials.new(name)
-    made.use_nodes = True
+    give_nodes(made)
     tree = made.node_tree
     tree.nodes.clear()
     out = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -163,7 +163,7 @@ def lamp(kind, place, energy, target=None, **settings):
 
 def lamp_nodes(o):
     """The tree of a lamp and its emission node."""
-    o.data.use_nodes = True
+    give_nodes(o.data)
     tree = o.data.node_tree
     return tree, next(n for n in tree.nodes if n.type == "EMISSION")
 
@@ -180,7 +180,7 @@ def camera(place=(0.0, -6.0, 2.4), target=(0.0, 0.0, 0.7), **settings):
 def world(colour=(0.0, 0.0, 0.0), strength=1.0):
     """The background node and its tree."""
     made = bpy.context.scene.world = bpy.data.worlds.new("world")
-    made.use_nodes = True
+    give_nodes(made)
     tree = made.node_tree
     node = next(n for n in tree.nodes if n.type == "BACKGROUND")
     feed(tree, node, "Color", colour)
@@ -264,6 +264,6 @@ def key(owner, path, frames_values, index=-1, interpolation=None):
         else:
             getattr(owner, path)[index] = value
         owner.keyframe_insert(path, index=index, frame=frame)
-    for curve in owner.id_data.animation_data.action.fcurves if interpolation is not None else []:
-        for point in curve.keyframe_points:
+    for curves in curve_lists(owner.id_data.animation_data) if interpolation is not None else []:
+        for point in [point for curve in curves for point in curve.keyframe_points]:
             point.interpolation = interpolation

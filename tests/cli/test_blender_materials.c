@@ -51,7 +51,7 @@ BLENDER_TEST( test_means_are_those_of_cycles )
     rf_destroy_scene( &scene );
     scene = convert_load( "no_material.glb" );
     const RfMaterial* grey = find_material( &scene, "no material" );
-    assert_true( grey->kind == RF_BSDF_LAMBERT && fabsf( grey->diffuse.x - 0.8f ) < 1e-5f );
+    assert_true( ( grey->kind == RF_BSDF_LAMBERT ) == ( blender_major() < 5 ) && fabsf( grey->diffuse.x - 0.8f ) < 1e-5f );
     rf_destroy_scene( &scene );
 }
 
@@ -69,7 +69,8 @@ BLENDER_TEST( test_mixtures_of_gloss )
         assert_true( ( i == 1 ) ==
                      ( strstr( done->err, "'tinted', node 'Mix Shader': the colour of its reflection: at grazing angles as "
                                           "bright in all colours as in the brightest" ) != NULL ) );
-        expect_cycles_mean( scenes[i], 0.98, 1.02 );
+        // the second is 1.9 % brighter in all versions, and Cycles' pictures differ by a tenth of that
+        expect_cycles_mean( scenes[i], 0.98, i == 1 && blender_major() >= 5 ? 1.022 : 1.02 );
     }
     assert_true( picture_mean( "furnace.r.exr" ) < 1.0005 );
 }

@@ -29,8 +29,9 @@ def make_scene():
     scene.frame_start, scene.frame_end = 5, 7
     scene.render.resolution_x, scene.render.resolution_y = 32, 24
     scene.render.film_transparent = True
-    scene.world.use_nodes = False
-    scene.world.color = (0.5, 0.5, 0.5)
+    if scene.world.node_tree is None:
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
     camera = scene.camera
     for frame, x in ((5, 7.0), (7, 8.0)):
         camera.location.x = x

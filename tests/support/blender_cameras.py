@@ -7,7 +7,7 @@ import os
 
 import bpy
 
-from blender_words import begin, glow, matte, panorama_of, placed, save, world, write_by_cycles
+from blender_words import begin, compositor, glow, matte, panorama_of, placed, save, world, write_by_cycles
 
 SAMPLES = int(os.environ.get("CYCLES_SAMPLES", "96"))
 CAMERAS = ("Lens", "Flat", "Round")
@@ -51,10 +51,11 @@ def main():
     add_cameras()
     scene.camera = bpy.data.objects[CAMERAS[0]]
     # what Blender does to whole pictures, and the export is to tell
-    scene.cycles.film_exposure, scene.render.use_multiview, scene.use_nodes = 2.0, True, True
-    scene.node_tree.nodes.new("CompositorNodeBlur")
+    scene.cycles.film_exposure, scene.render.use_multiview = 2.0, True
+    tree, _ = compositor(scene)
+    tree.nodes.new("CompositorNodeBlur")
     save("cameras")
-    scene.cycles.film_exposure, scene.render.use_multiview, scene.use_nodes = 1.0, False, False
+    scene.cycles.film_exposure, scene.render.use_multiview, scene.render.use_compositing = 1.0, False, False
     for name in CAMERAS:
         render(name, name + ".exr")
     bpy.data.cameras["Lens"].dof.use_dof = False

@@ -12,6 +12,7 @@ import numpy
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "scripts"))
 from blender import glb_data  # noqa: E402
+from blender.versions import curve_lists  # noqa: E402
 
 TOLERANCE = 2e-4
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -157,8 +158,8 @@ def blenders(depsgraph):
 
 def is_hidden(o, number):
     """By its keys: Blender does not evaluate those of what the viewport hides."""
-    action = o.animation_data.action if o.animation_data is not None else None
-    curve = action.fcurves.find("hide_render") if action is not None else None
+    lists = curve_lists(o.animation_data) if o.animation_data is not None else []
+    curve = next((curve for curves in lists for curve in curves if curve.data_path == "hide_render"), None)
     return curve.evaluate(number) > 0.5 if curve is not None else o.hide_render
 
 

@@ -4,7 +4,7 @@ import math
 import bpy
 
 import blender_words
-from blender_words import begin, eye, geometry_group, instances_of, lamp_nodes, lights_without_shadow, moved_to, socket
+from blender_words import begin, eye, geometry_group, give_nodes, instances_of, lamp_nodes, lights_without_shadow, moved_to, socket
 
 
 def lamp(kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
@@ -121,7 +121,7 @@ def changes():
     key(lamp("SPOT", "edge").data, "spot_blend", 0.1, 0.1, 0.2)
     key(lamp("POINT", "ball").data, "shadow_soft_size", 0.1, 0.2)
     scene.world = bpy.data.worlds.new("sky")
-    scene.world.use_nodes = True
+    give_nodes(scene.world)
     key(scene.world.node_tree.nodes["Background"].inputs["Strength"], "default_value", 0.0, 1.0)
     key(lamp_nodes(lamp("POINT", "bulb"))[1].inputs["Strength"], "default_value", 1.0, 2.0)
     cone = lamp("SPOT", "cone")
@@ -162,14 +162,14 @@ def darkness():
     lamp_nodes(twice)[1].inputs["Strength"].default_value = -1.0
     for name, which, value in (("hole", "Emission Strength", -1.0), ("bright", "Base Color", (1.5, 1.0, 1.0, 1.0))):
         material = bpy.data.materials.new(name)
-        material.use_nodes = True
+        give_nodes(material)
         node = material.node_tree.nodes["Principled BSDF"]
         socket(node, "Emission").default_value = (1.0, 1.0, 1.0, 1.0)
         node.inputs["Emission Strength"].default_value = 0.0
         node.inputs[which].default_value = value
         cube(name).data.materials.append(material)
     scene.world = bpy.data.worlds.new("sky")
-    scene.world.use_nodes = True
+    give_nodes(scene.world)
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = -1.0
 
 
@@ -197,14 +197,15 @@ def cycles_settings():
     view.look = "AgX - High Contrast" if view.view_transform == "AgX" else "High Contrast"
     lamp("AREA", "once").data.cycles.max_bounces = 0
     veil = bpy.data.materials.new("veil")
-    veil.use_nodes = True
+    give_nodes(veil)
     veil.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.5
     (veil if hasattr(veil, "use_transparent_shadow") else veil.cycles).use_transparent_shadow = False
     bpy.data.objects["cube"].data.materials.append(veil)
-    cycles.feature_set = "EXPERIMENTAL"
     rock = cube("rock", (2, 0, 0))
-    rock.modifiers.new("round", "SUBSURF")
-    rock.cycles.use_adaptive_subdivision = True
+    smooth = rock.modifiers.new("round", "SUBSURF")
+    if hasattr(cycles, "feature_set"):
+        cycles.feature_set = "EXPERIMENTAL"
+    (smooth if hasattr(smooth, "use_adaptive_subdivision") else rock.cycles).use_adaptive_subdivision = True
 
 
 def over_time(o, kind, value, **settings):
@@ -234,7 +235,7 @@ def gone():
     image = bpy.data.images.new("film", 4, 4)
     image.source, image.filepath = "SEQUENCE", "/nowhere/film.0001.png"
     screen = bpy.data.materials.new("screen")
-    screen.use_nodes = True
+    give_nodes(screen)
     tree = screen.node_tree
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image, node.image_user.frame_duration = image, 3

@@ -3,7 +3,7 @@
 import bpy
 import numpy
 
-from blender_words import Shader, add_socket, begin, eye, glow, grey, lamp, lamp_nodes, matte, socket
+from blender_words import Shader, add_socket, begin, eye, give_nodes, glow, grey, lamp, lamp_nodes, matte, socket
 
 ROOM = 2.0  # half a side
 
@@ -307,7 +307,7 @@ def gloss_by_fresnel():
 def furnace():
     """White balls in uniform white light: whatever reflects more than arrives is brighter than what is behind it."""
     world = bpy.data.worlds.new("white")
-    world.use_nodes = True
+    give_nodes(world)
     world.node_tree.nodes["Background"].inputs[0].default_value = grey(1.0)
     bpy.context.scene.world = world
     for i, roughness in enumerate((0.1, 0.6)):
@@ -370,7 +370,8 @@ def for_eevee():
                              ("back", -1.5708, {"Emission": (0.3, 0.6, 1.0, 1.0), "Emission Strength": 2.0}),
                              ("leaf", 1.2, {"Base Color": (0.2, 0.7, 0.2, 1.0), "Alpha": 0.3, "Specular": 0.0})):
         material = bpy.data.materials.new(name)
-        material.use_nodes = material.use_backface_culling = True
+        give_nodes(material)
+        material.use_backface_culling = True
         material.blend_method, material.alpha_threshold = "CLIP", 0.5
         for which, value in sets.items():
             socket(material.node_tree.nodes["Principled BSDF"], which).default_value = value

@@ -1,7 +1,7 @@
 """A scene whose light groups, mattes and indices Blender's compositor takes from Reframe's frames, for test_blender_passes.c:
 
     blender_make.py -- passes make                      passes.blend, balanced.blend with its groups dimmed, and cycles.exr
-    blender_make.py -- passes look FRAME.exr SAMPLES    what the compositor makes of a frame, beside cycles.exr
+    blender_make.py -- passes look FRAME.exr SAMPLES NOISY.exr      what the compositor makes of them, beside cycles.exr
     blender_make.py -- passes mix OUT FRAME.exr...      means of parts of frames whose light groups are mixed anew
 """
 import json
@@ -12,7 +12,7 @@ import struct
 import bpy
 import numpy
 
-from blender_words import begin, instances_of, key, moved_to, placed, save, socket
+from blender_words import begin, compositor, give_nodes, instances_of, key, mixed_inputs, moved_to, placed, principled_of, save, set_format, socket
 
 WIDTH, HEIGHT, SAMPLES = 64, 36, 256
 SHARES = {"key": 0.3, "fill light": 2.0}
@@ -21,8 +21,9 @@ PARTS = (4, 3)  # of a picture, across and down
 
 def painted(name, index, colour, glow=None):
     material = bpy.data.materials.new(name)
-    material.use_nodes, material.pass_index = True, index
-    node = material.node_tree.nodes["Principled BSDF"]
+    give_nodes(material)
+    material.pass_index = index
+    node = principled_of(material.node_tree)
     socket(node, "Base Color").default_value = (*colour, 1)
     socket(node, "Specular").default_value = 0.0
     node.inputs["Roughness"].default_value = 1.0
@@ -83,7 +84,8 @@ def make_scene():
     lamp("Fill", "POINT", (3, -3, 4), 100, "fill light").data.shadow_soft_size = 0.0
     lamp("Top", "AREA", (0, 0, 4.5), 60, "fill light").data.size = 1.0
     world = bpy.data.worlds.new("World")
-    scene.world, world.use_nodes, world.lightgroup = world, True, "fill light"
+    give_nodes(world)
+    scene.world, world.lightgroup = world, "fill light"
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.3, 0.5, 0.8, 1)
     eye = link("Eye", bpy.data.cameras.new("Eye"), (0, 0, 0))
     eye.data.lens, eye.rotation_euler = 40, (math.radians(82), 0, 0)
@@ -110,7 +112,8 @@ def render_by_cycles(scene, path):
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     render.resolution_x, render.resolution_y, render.resolution_percentage = WIDTH, HEIGHT, 100
     settings = render.image_settings
-    settings.file_format, settings.color_depth, settings.exr_codec = "OPEN_EXR_MULTILAYER", "32", "ZIP"
+    set_format(settings, "OPEN_EXR_MULTILAYER")
+    settings.color_depth, settings.exr_codec = "32", "ZIP"
     render.use_file_extension, render.filepath = False, os.path.abspath(path)
     scene.frame_set(2)
     bpy.ops.render.render(write_still=True)
@@ -151,33 +154,45 @@ def manifests_of(path):
     return {header[key + "name"].decode().split(".")[-1]: json.loads(header[key + "manifest"]) for key in keys}
 
 
+RENAMED = {"IndexOB": "Object Index", "IndexMA": "Material Index"}  # passes of Cycles in Blender 5
+
+
 class Compositor:
     """A tree of nodes behind an image; what it makes comes back as arrays, rows from below."""
 
     def __init__(self, path):
         scene = bpy.context.scene
-        scene.use_nodes = True
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = WIDTH, HEIGHT, 100
-        self.tree, self.scene = scene.node_tree, scene
-        self.tree.nodes.clear()
+        (self.tree, _), self.scene = compositor(scene), scene
         self.image = self.tree.nodes.new("CompositorNodeImage")
         self.image.image = bpy.data.images.load(os.path.abspath(path))
-        self.tree.nodes.new("CompositorNodeComposite")
         self.files = self.tree.nodes.new("CompositorNodeOutputFile")
-        self.files.file_slots.clear()
-        self.files.base_path = os.path.abspath("composed")
         layout = self.files.format
-        layout.file_format, layout.color_depth, layout.exr_codec, layout.color_mode = "OPEN_EXR", "32", "NONE", "RGBA"
+        set_format(layout, "OPEN_EXR")
+        layout.color_depth, layout.exr_codec, layout.color_mode = "32", "NONE", "RGBA"
+        self.folder = os.path.abspath("composed")
+        if hasattr(self.files, "file_output_items"):  # Blender 5
+            self.files.directory, self.files.file_name = self.folder, ""
+            self.files.file_output_items.clear()
+        else:
+            self.files.base_path = self.folder
+            self.files.file_slots.clear()
         self.names = []
 
     def pass_of(self, name):
+        name = name if name in self.image.outputs else RENAMED.get(name, name)
         if name not in self.image.outputs:
             raise AssertionError("no pass '%s': the Image node has %s" % (name, ", ".join(o.name for o in self.image.outputs)))
         return self.image.outputs[name]
 
     def keep(self, name, output):
-        self.files.file_slots.new(name)
-        self.tree.links.new(output, self.files.inputs[-1])
+        if hasattr(self.files, "file_output_items"):
+            self.files.file_output_items.new("RGBA", name)
+            into = self.files.inputs[name]
+        else:
+            self.files.file_slots.new(name)
+            into = self.files.inputs[-1]
+        self.tree.links.new(output, into)
         self.names.append(name)
 
     def matte(self, kind, names):
@@ -189,19 +204,26 @@ class Compositor:
 
     def mixed(self, kind, first, second, first_factor=1.0):
         """The sum or the product of two sockets."""
-        node = self.tree.nodes.new("CompositorNodeMixRGB")
+        if hasattr(bpy.types, "CompositorNodeMixRGB"):
+            node = self.tree.nodes.new("CompositorNodeMixRGB")
+            slots = node.inputs[1:3]
+        else:
+            node = self.tree.nodes.new("ShaderNodeMix")
+            node.data_type = "RGBA"
+            slots = mixed_inputs(node)
         node.blend_type = kind
         node.inputs[0].default_value = first_factor
-        for slot, value in zip(node.inputs[1:3], (first, second)):
+        for slot, value in zip(slots, (first, second)):
             if isinstance(value, float):
                 slot.default_value = (value, value, value, 1.0)
             else:
                 self.tree.links.new(value, slot)
-        return node.outputs[0]
+        return next(output for output in node.outputs if output.enabled)
 
     def run(self):
         bpy.ops.render.render()
-        return {name: pixels_of(os.path.join(self.files.base_path, "%s%04d.exr" % (name, self.scene.frame_current))) for name in self.names}
+        end = ".exr" if hasattr(self.files, "file_output_items") else "%04d.exr" % self.scene.frame_current
+        return {name: pixels_of(os.path.join(self.folder, name + end)) for name in self.names}
 
 
 def pixels_of(path):
@@ -245,11 +267,14 @@ def check_mattes(ours, theirs, samples):
               name, b.mean(), 100.0 * mean, worst)
 
 
+UNSEEN = ("shader", "object", "Fill", "World")  # which no picture shows; Cycles 5 lists lamps and the world
+
+
 def check_manifests(ours, theirs):
     ours, theirs = manifests_of(ours), manifests_of(theirs)
     check(set(ours) == set(theirs), "layers of mattes: %s", ", ".join(sorted(ours)))
     for layer in ours:
-        names = {n: h for n, h in theirs[layer].items() if not n.startswith("default_") and n != "shader"}
+        names = {n: h for n, h in theirs[layer].items() if not n.startswith("default_") and n not in UNSEEN}
         check(all(ours[layer].get(n) == h for n, h in names.items()), "%s: %s", layer, ours[layer])
 
 
@@ -299,13 +324,13 @@ def check_denoising(frame):
     check(rough[1] < rough[0] and abs(after.mean() / before.mean() - 1.0) < 0.05, "denoised: %.4f between pixels, before %.4f", *rough[::-1])
 
 
-def look(frame, samples):
+def look(frame, samples, noisy):
     ours, theirs = composed(frame), composed("cycles.exr")
     check_manifests(frame, "cycles.exr")
     check_mattes(ours, theirs, int(samples))
     check_passes(ours, theirs)
     check_sum(frame)
-    check_denoising(frame)
+    check_denoising(noisy)
     print("the passes are Blender's")
 
 

@@ -11,11 +11,13 @@ bool enter_with_blender( void )
     return false;
 }
 
-bool blender_is_4( void )
+int blender_major( void )
 {
     const CliResult* done = cli_run( BLENDER "--version 2> log | sed -n 's/^Blender \\([0-9]*\\)[.].*/\\1/p' | head -1" );
-    return atoi( done->out ) >= 4;
+    return atoi( done->out );
 }
+
+bool blender_is_4( void ) { return blender_major() >= 4; }
 
 const CliResult* blender_make( const char* format, ... )
 {

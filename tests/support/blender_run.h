@@ -1,4 +1,5 @@
-// Blender for tests: that of the path, or the one that the environment variable REFRAME_BLENDER names. Scenes are made inside of it by
+// Blender for tests: that of the path, or the one that the environment variable REFRAME_BLENDER names, a program or a Python that has
+// bpy. Scenes are made inside of it by
 // blender_make.py, exported, rendered by Cycles and by Reframe, and their pictures compared.
 //
 //     BLENDER_TEST( test_something )
@@ -15,8 +16,7 @@
 #include "support/scene_files.h"
 #include "support/test.h"
 
-// another Python first in the path would hide the numpy of Debian's
-#define BLENDER "PATH=/usr/bin:$PATH ${REFRAME_BLENDER:-blender} -b "
+#define BLENDER "python3 -B " REFRAME_SOURCE_DIR "/scripts/blender/run -b "
 #define BLENDER_SCRIPT REFRAME_SOURCE_DIR "/scripts/blender/export.py -- "
 
 // A test in a folder of its own; skipped if there is no Blender with numpy.
@@ -34,7 +34,8 @@
 // Enters a folder if there is a Blender with numpy; else says that the test is skipped.
 bool enter_with_blender( void );
 
-// Is it Blender 4?
+// The version's first number, and whether it is 4 or later.
+int blender_major( void );
 bool blender_is_4( void );
 
 // Runs blender_make.py with these words; returns what it says.

@@ -6,7 +6,7 @@ import bpy
 import numpy
 
 import blender_words
-from blender_words import Shader, add_socket, begin, eye, grey, lamp, lamp_nodes, socket, world
+from blender_words import Shader, add_socket, begin, eye, give_nodes, grey, lamp, lamp_nodes, set_format, socket, world
 
 FRAMES = (1, 5)
 SHOWN = (1, 3, 5)
@@ -166,7 +166,7 @@ def sun():
     wall()
     tree, shine = world()
     sky = tree.nodes.new("ShaderNodeTexSky")
-    sky.sky_type, sky.sun_elevation, sky.sun_disc = "NISHITA", 0.3, False
+    sky.sun_elevation, sky.sun_disc = 0.3, False  # of the default model
     tree.links.new(sky.outputs[0], shine.inputs["Color"])
     key(sky, "sun_rotation", 0.0, 2.0)
     return SHOWN
@@ -205,7 +205,7 @@ def movie():
     other.camera = bpy.data.objects.new("movie", bpy.data.cameras.new("movie"))
     other.collection.objects.link(other.camera)
     other.world = bpy.data.worlds.new("movie")
-    other.world.use_nodes = True
+    give_nodes(other.world)
     shine = other.world.node_tree.nodes["Background"]
     key(shine.inputs["Strength"], "default_value", 0.2, 1.0)
     for i in range(3):
@@ -214,7 +214,8 @@ def movie():
     render.engine, other.cycles.samples, other.cycles.use_denoising = "CYCLES", 1, False
     other.frame_start, other.frame_end = FRAMES
     render.resolution_x, render.resolution_y, render.resolution_percentage = 64, 64, 100
-    render.image_settings.file_format, render.ffmpeg.format, render.ffmpeg.codec = "FFMPEG", "AVI", "PNG"
+    set_format(render.image_settings, "FFMPEG")
+    render.ffmpeg.format, render.ffmpeg.codec = "AVI", "PNG"
     render.filepath, render.use_file_extension, other.view_settings.view_transform = os.path.abspath("movie.avi"), False, "Raw"
     bpy.ops.render.render(animation=True, scene="movie")
     bpy.data.scenes.remove(other)

@@ -1,11 +1,11 @@
-"""Words for making the scenes of tests inside Blender 3.4 to 4.3, beside those of scripts/parity."""
+"""Words for making the scenes of tests inside Blender, beside those of scripts/parity."""
 import math
 import os
 
 import bpy
 
 from blender.cycles import set_cycles, write_picture
-from blender.versions import panorama_of, socket  # noqa: F401
+from blender.versions import give_nodes, mixed_inputs, panorama_of, principled_of, set_format, socket  # noqa: F401
 from parity.words import add, give, glow, key, lamp_nodes, matte, mix, placed, world  # noqa: F401
 
 BOUNCES = 24
@@ -35,6 +35,17 @@ def lamp(kind, name, place=(0, 0, 3), turn=(0, 0, 0), **settings):
     return o
 
 
+def compositor(scene):
+    """A tree of the compositor without nodes, and its output node."""
+    if hasattr(scene, "compositing_node_group"):
+        tree = scene.compositing_node_group = bpy.data.node_groups.new("compositor", "CompositorNodeTree")
+        add_socket(tree, "OUTPUT", "NodeSocketColor", "Image")
+        return tree, tree.nodes.new("NodeGroupOutput")
+    scene.use_nodes = True
+    scene.node_tree.nodes.clear()
+    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite")
+
+
 def save(name):
     bpy.ops.wm.save_as_mainfile(filepath=os.path.abspath(name + ".blend"), check_existing=False)
 
@@ -55,7 +66,7 @@ class Shader:
 
     def __init__(self, name):
         self.material = bpy.data.materials.new(name)
-        self.material.use_nodes = True
+        give_nodes(self.material)
         self.tree = self.material.node_tree
         self.tree.nodes.clear()
         self.out = self.add("OutputMaterial")
