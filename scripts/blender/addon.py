@@ -65,6 +65,16 @@ class Process:
             self.process.wait()
 
 
+def move_to(source, target):
+    """A file or a folder of files, if it is there; files of these names are replaced."""
+    if os.path.isdir(source):
+        os.makedirs(target, exist_ok=True)
+        for name in os.listdir(source):
+            move_to(os.path.join(source, name), os.path.join(target, name))
+    elif os.path.exists(source):
+        shutil.move(source, target)
+
+
 class Work:
     """Of operators that run programs one after the other: `work` yields what they do and their command lines. In a window Blender goes on
     meanwhile."""
@@ -75,6 +85,7 @@ class Work:
         self.passes = []  # the options that give those of the view layer
 
     def end(self, context):
+        self.steps.close()
         if self.process is not None:
             self.process.stop()
         if self.timer is not None:
@@ -129,10 +140,10 @@ class Work:
         except StopIteration:
             state = {"FINISHED"}
             for text in sorted(self.lost):  # losses before warnings
-                self.report({"WARNING"}, text)
-        except (Failed, OSError, RuntimeError, ValueError) as e:
+                self.report({"WARNING"}, text[len("warning: "):] if text.startswith("warning: ") else text)
+        except Exception as e:  # whatever it is, no folder and no program stays behind
             state = {"CANCELLED"}
-            self.report({"ERROR"}, str(e))
+            self.report({"ERROR"}, str(e) or type(e).__name__)
         self.end(context)
         return state
 
@@ -187,9 +198,9 @@ class Exported:
             options.append("--accept-losses")
         made = os.path.join(self.folder, name)
         yield "exporting", [*blender(), "-b", "--factory-startup", scripts, copy, "-P", EXPORTER, "--", made, *options]
-        for file in (name, name[:-len(".glb")] + "-sky.exr"):
-            if os.path.exists(os.path.join(self.folder, file)):
-                shutil.move(os.path.join(self.folder, file), os.path.join(os.path.dirname(out), file))
+        base = name[:-len(".glb")]
+        for file in (base + "-frames", base + "-sky.exr", name):  # the .glb last, which names the others
+            move_to(os.path.join(self.folder, file), os.path.join(os.path.dirname(out), file))
 
 
 class ExportReframe(bpy.types.Operator, Work, Exported, ExportHelper):
@@ -223,16 +234,50 @@ class RenderReframe(bpy.types.Operator, Work, Exported):
             self.layout.prop(self, name)
 
     def work(self, context):
-        program = program_of(context)
+        program, options = program_of(context), shlex.split(self.arguments)
+        check_options(program, options, self.folder)
         folder = bpy.path.abspath(self.directory) if self.directory else tempfile.mkdtemp(prefix="reframe-frames-")
+        is_new = not self.directory or not os.path.isdir(folder)
+        try:
+            yield from self.render_to(folder, program, options)
+        finally:
+            if is_new and os.path.isdir(folder) and not frames_of(folder):
+                shutil.rmtree(folder, ignore_errors=True)
+        self.report({"INFO"}, "Rendered to %s" % folder)
+
+    def render_to(self, folder, program, options):
         os.makedirs(folder, exist_ok=True)
         scene, frames = os.path.join(folder, "scene.glb"), os.path.join(folder, "frame.####.exr")
         yield from self.export_to(scene)
         started = os.stat(scene).st_mtime
-        yield "rendering", [program, "render", scene, "-o", frames, "--overwrite", *self.passes, *shlex.split(self.arguments)]
-        found = {int(name[6:-4]): os.path.join(folder, name) for name in os.listdir(folder) if re.fullmatch(r"frame\.\d+\.exr", name)}
-        open_frames({n: path for n, path in found.items() if os.stat(path).st_mtime >= started})
-        self.report({"INFO"}, "Rendered to %s" % folder)
+        yield "rendering", [program, "render", scene, "-o", frames, "--overwrite", *self.passes, *options]
+        open_frames({n: path for n, path in frames_of(folder).items() if os.stat(path).st_mtime >= started})
+
+
+def frames_of(folder):
+    """The files of frames, by their numbers."""
+    return {int(name[6:-4]): os.path.join(folder, name) for name in os.listdir(folder) if re.fullmatch(r"frame\.\d+\.exr", name)}
+
+
+def said_by(command):
+    """The exit status of a program that ends at once, and its last line."""
+    try:
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8",
+                              errors="replace", timeout=20, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return None, ""
+    return done.returncode, (done.stdout.strip().splitlines() or [""])[-1]
+
+
+def check_options(program, options, folder):
+    """Finds what is wrong with the program or its options before the export, which may take long: `render` looks at all options before
+    it opens the scene."""
+    if re.match(r"reframe [\d.]+", said_by([program, "--version"])[1]) is None:
+        raise Failed("%s: is not the program reframe: give its path in the preferences of this add-on" % program)
+    scene, frames = os.path.join(folder, "no such scene.glb"), os.path.join(folder, "frame.####.exr")
+    status, text = said_by([program, "render", scene, "-o", frames, "--overwrite", *options])
+    if status == 2:
+        raise Failed(SAID.sub("", text))
 
 
 def open_frames(paths):

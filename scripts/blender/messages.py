@@ -7,6 +7,8 @@ import signal
 import sys
 import tempfile
 
+import bpy
+
 _losses, _warnings, _folders = [], [], []
 _hushed = None  # the file that takes what Blender prints
 _out, _err = sys.stdout, sys.stderr
@@ -114,7 +116,13 @@ def fail(text):
     remove_folders()
     print("blender-export: " + printable(text), file=_err)
     _err.flush()
-    os._exit(1)  # after an exception Blender would exit with status 0
+    leave(1)
+
+
+def leave(status):
+    """Ends Blender: after an exception it would exit with status 0. Its folder of temporary files, which it would have removed, goes."""
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    os._exit(status)
 
 
 # The command line: what stands after Blender's own options and --.
@@ -149,7 +157,9 @@ def parse(about):
     try:
         args = p.parse_args(own)
     except SystemExit as e:
-        os._exit(e.code if isinstance(e.code, int) else 2)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        leave(e.code if isinstance(e.code, int) else 2)
     if not args.out.endswith(".glb"):
         fail("%s: only .glb is written: name it .glb" % args.out)
     folder = os.path.dirname(os.path.abspath(args.out))

@@ -4,6 +4,7 @@
 """
 import os
 import sys
+import tempfile
 import time
 import types
 
@@ -40,6 +41,11 @@ def make_scene():
     camera.lock_location[0] = True  # not saved
 
 
+def folders():
+    """Those of temporary files that the add-on and its Blenders make."""
+    return {name for name in os.listdir(tempfile.gettempdir()) if name.startswith("reframe-")}
+
+
 def state():
     return [(o.name, o.type, tuple(o.location), o.data and o.data.name) for o in bpy.data.objects], bpy.data.filepath, len(bpy.data.meshes)
 
@@ -72,14 +78,50 @@ def check_operators():
     assert state() == before and bpy.context.scene.camera.lock_location[0], "the open file was changed"
 
 
+def check_film():
+    """What a scene with an image sequence needs beside its .glb arrives there, and is rendered."""
+    for number in (5, 6, 7):
+        image = bpy.data.images.new("picture", 4, 4)
+        image.filepath_raw, image.file_format = os.path.abspath("film.%04d.png" % number), "PNG"
+        image.save()
+        bpy.data.images.remove(image)
+    cube = bpy.data.objects["Cube"]
+    plain, painted = cube.data.materials[0], bpy.data.materials.new("screen")
+    if painted.node_tree is None:
+        painted.use_nodes = True
+    tree = painted.node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = bpy.data.images.load(os.path.abspath("film.0005.png"))
+    node.image.source = "SEQUENCE"
+    node.image_user.frame_duration, node.image_user.frame_start, node.image_user.frame_offset = 3, 5, 4
+    node.image_user.use_auto_refresh = True
+    tree.links.new(node.outputs["Color"], next(n for n in tree.nodes if n.type == "BSDF_PRINCIPLED").inputs["Base Color"])
+    cube.data.materials[0] = painted
+    files = ["film-0005-png.%04d.png" % number for number in (5, 6, 7)]
+    for _ in range(2):  # over files that are there already, too
+        assert bpy.ops.export_scene.reframe(filepath=os.path.abspath("shown.glb"), frames="5-7") == {"FINISHED"}
+        assert sorted(os.listdir("shown-frames")) == files, os.listdir("shown-frames")
+    assert bpy.ops.render.reframe(directory="//film", frames="5-7", arguments="--spp 2 --group 0") == {"FINISHED"}
+    assert sorted(os.listdir("film")) == ["frame.%04d.exr" % n for n in (5, 6, 7)] + ["scene-frames", "scene.glb"], os.listdir("film")
+    cube.data.materials[0] = plain
+
+
 def check_errors():
+    bpy.context.scene.render.use_multiview = True  # of which the exporter warns
+    assert bpy.ops.export_scene.reframe(filepath=os.path.abspath("warned.glb"), frames="5-5") == {"FINISHED"}
+    bpy.context.scene.render.use_multiview = False
     world = bpy.context.scene.world
     world.cycles_visibility.diffuse = False
     expect_error("Accept Losses", bpy.ops.export_scene.reframe, filepath=os.path.abspath("lost.glb"), frames="5-5")
     assert not os.path.exists("lost.glb")
     assert bpy.ops.export_scene.reframe(filepath=os.path.abspath("lost.glb"), frames="5-5", accept_losses=True) == {"FINISHED"}
     world.cycles_visibility.diffuse = True
-    expect_error("--spp: expected", bpy.ops.render.reframe, directory="//frames", frames="5-5", arguments="--spp none")
+    expect_error("--spp: expected", bpy.ops.render.reframe, directory="//wrong", frames="5-5", arguments="--spp none")
+    expect_error("--bogus: no such option", bpy.ops.render.reframe, directory="//wrong", frames="5-5", arguments="--bogus")
+    expect_error("Nobody", bpy.ops.render.reframe, directory="", frames="5-5", arguments="--camera Nobody")
+    bpy.context.preferences.addons[NAME].preferences.program = sys.executable
+    expect_error("is not the program reframe", bpy.ops.render.reframe, directory="//wrong", frames="5-5")
+    assert not os.path.exists("wrong"), "what was wrong was found after the export"
     bpy.context.preferences.addons[NAME].preferences.program = "/no/such/program"
     expect_error("/no/such/program: the program is not there", bpy.ops.render.reframe, directory="//frames")
 
@@ -125,8 +167,11 @@ def remove():
 
 install()
 make_scene()
+before = folders()
 check_operators()
+check_film()
 check_errors()
 check_window()
+assert folders() == before, folders() - before
 remove()
 print("the add-on works")
