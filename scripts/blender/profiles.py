@@ -8,7 +8,7 @@ import os
 import bpy
 import numpy
 
-from .versions import IS_4, curve_lists
+from .versions import CLOSES_TABLES, IS_4, curve_lists
 
 WATTS = 4.0 * math.pi / 177.83  # of a lamp, for each candela of a file
 TOLERANCE = 0.002  # of the most, that the table may be off between its angles
@@ -96,7 +96,7 @@ class Ies:
             raise Refused("its vertical angles begin at %g degrees" % first)
         if not IS_4 and first == 90.0:
             table = 0.0 * table
-        closes = 0.0 if IS_4 else 1.0
+        closes = 1.0 if CLOSES_TABLES else 0.0
         above, below = table[:, 1:2] * (first == 0.0), table[:, -1:] * closes
         table = numpy.concatenate((above, table, below), axis=1)
         self.table = numpy.concatenate((table[-2:-1] * closes, table, table[1:2] * closes))
