@@ -15,7 +15,7 @@ import mathutils
 import numpy
 
 from . import gloss, shader_tree
-from .channels import ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, WORDS, is_constant, make_textures, means_of
+from .channels import ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, STEP, WORDS, is_constant, make_textures, means_of
 from .messages import note, warn
 from .shader_tree import SKIPPED
 
@@ -218,6 +218,8 @@ def make_materials(job, name, result, solid, made, build, mesh):
         made[plan] = made.get(plan, 0) + 1
         plain = plan.free_name()
         means = means_of(plan, result) if result is not None else None
+        if "base" in plan.baked and float(result["base"].max()) > 1.0 + STEP:
+            plan.tell(None, "reflects up to %.2g times the light that arrives in Blender: 1 at most here" % result["base"].max())
         materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means, solid[slot])
     return materials
 

@@ -230,6 +230,8 @@ def warn_of_pictures(scene):
         warn("the rolling shutter is taken as one that opens for all lines at once")
     if cycles and render.use_motion_blur and not is_box(render.motion_blur_shutter_curve):
         warn("the shutter's curve is taken as open all the time")
+    if cycles and render.use_simplify:
+        warn_of_culling(scene)
     if render.use_freestyle:
         warn("Freestyle's lines are left out")
     warn_of_view(scene)
@@ -239,6 +241,14 @@ def warn_of_pictures(scene):
     for layer in scene.view_layers:
         if layer.use and layer.material_override is not None:
             warn("view layer '%s' overrides materials by '%s': objects keep their own" % (layer.name, layer.material_override.name))
+
+
+def warn_of_culling(scene):
+    """Objects that Cycles leaves out by where the camera is."""
+    for switch, where in (("use_camera_cull", "outside of the camera's view"), ("use_distance_cull", "far from the camera")):
+        names = [o.name for o in scene.objects if getattr(o.cycles, switch)] if getattr(scene.cycles, switch) else []
+        if names:
+            warn("%s: left out where they are %s in Blender (culling): always there here" % (list_some(names), where))
 
 
 def warn_of_view(scene):
@@ -301,7 +311,7 @@ def warn_of_effects(scene, camera):
         warn("the render region is ignored: the whole picture is exported")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and has_nodes(scene.world) else None
     if out is not None and out.inputs["Volume"].is_linked:
-        warn("world '%s' has a volume: left out" % scene.world.name)
+        lose("world '%s' has a volume, which takes light on its way: left out" % scene.world.name)
 
 
 def focus_of(camera, projection):

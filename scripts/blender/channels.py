@@ -117,6 +117,24 @@ def is_grey(image):
     return _grey[key]
 
 
+_clear = {}
+
+
+def is_clear(image):
+    """Has a part of an image less than full alpha?"""
+    key = image.name_full
+    if key not in _clear:
+        pixels = numpy.empty(len(image.pixels), numpy.float32)
+        image.pixels.foreach_get(pixels)
+        _clear[key] = image.channels == 4 and float(pixels[3::4].min()) < 0.999
+    return _clear[key]
+
+
+def is_dimmed(node):
+    """Does Cycles show colours times alpha? It does so where alpha is straight and no link asks for it."""
+    return node.image.alpha_mode == "STRAIGHT" and not node.outputs["Alpha"].is_linked and is_clear(node.image)
+
+
 def coordinates_of(node):
     """A hashable description of the coordinates of an image node, or None if glTF has none such."""
     turn = ()
@@ -144,7 +162,7 @@ def plain_image(node, spaces):
     image = node.image
     return (node.type == "TEX_IMAGE" and is_read(image) and image.source in ("FILE", "GENERATED") and not image.is_float and
             node.projection == "FLAT" and node.extension in ("REPEAT", "EXTEND") and
-            image.colorspace_settings.name in spaces and coordinates_of(node) is not None)
+            image.colorspace_settings.name in spaces and coordinates_of(node) is not None and not is_dimmed(node))
 
 
 def image_behind_factor(node):

@@ -8,7 +8,7 @@ from .shader_tree import Values
 from .versions import IS_4, is_principled_2, socket
 
 SUBSURFACE = ("subsurface scattering: taken as diffuse: 2 % darker where its radius is a 50th of the body's, 4 % where it is a fifth, "
-              "15 % where it is as large")
+              "15 % where it is as large, up to a quarter beyond")
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "SUBSURFACE_SCATTERING": SUBSURFACE,
     "BSDF_TOON": "toon shading: taken as diffuse",
@@ -177,11 +177,7 @@ class Folder(Values):
             return glass
         a, b = self.fold(node.inputs[1]), self.fold(node.inputs[2])
         if source is not None and source.node.type == "NEW_GEOMETRY" and source.name == "Backfacing":
-            if b.emission != a.emission:
-                a.one_sided = b.emission == BLACK and a.emission != BLACK
-            elif b != a:
-                self.warn(node, "its back looks different: taken as the front")
-            return a
+            return self.by_side(a, b, node)
         one = as_one(self, a, b, source, node) if source is not None else None
         if one is not None:
             return one
@@ -191,6 +187,22 @@ class Folder(Values):
         else:
             t = self.number("ADD", t, 0.0, clamp=True)
         return self.mixed(a, b, t, node)
+
+    def by_side(self, front, back, node):
+        """Two looks of one surface. glTF has emission of the front alone, or of both sides alike, and one look of all else."""
+        if front.emission == BLACK and back.emission != BLACK:
+            self.lose(node, "its back shines in Blender, not its front: does not shine here: turn the faces round")
+        elif back.emission == BLACK and front.emission != BLACK:
+            front.one_sided = True
+            if back.alpha == 0.0:
+                self.warn(node, "its back lets light through in Blender: is black here")
+            elif (back.base, back.transmission) != (front.base, front.transmission):
+                self.warn(node, "its back looks different: as its front, but does not shine")
+        elif back.emission != front.emission:
+            self.lose(node, "its sides shine differently in Blender: both as the front here")
+        elif back != front:
+            self.warn(node, "its back looks different: taken as the front")
+        return front
 
     def mixed(self, a, b, t, node):
         if t == 0.0:

@@ -7,7 +7,7 @@ import numpy
 from mathutils import Vector, geometry
 from mathutils.bvhtree import BVHTree
 
-from . import bake, displacement, grain, keyed, shader_tree
+from . import attributes, bake, displacement, grain, keyed, shader_tree
 from .channels import ADDED, BLACK, COLOURS, Ref, WHITE, is_constant, link_textures, strength_of
 from .gloss import base_of_principled
 from .messages import warn
@@ -143,6 +143,7 @@ def carry(scene, args, placed, recorder, recorded, tracks):
     objects = [o for o in scene.objects if o.type == "MESH"]
     make_local(objects)
     give_grey(objects)
+    attributes.settle(objects, recorded.materials)
     users = {}
     for o in objects:
         for i in used_slots(o):
@@ -184,7 +185,7 @@ def tell_instances(plans, placed):
     for plan in plans:
         if plan.copy is not None and (plan.baked or plan.averaged) and any(o.name in placed for o, _ in plan.users):
             if bake.depends_on_place(plan):
-                plan.tell(None, "differs between instances: taken as of one at the origin")
+                plan.lose(None, "differs between instances: taken as of one at the origin")
 
 
 def names_for(plan, count):

@@ -100,6 +100,7 @@ def make_plan(material, users, still=None):
     grouped = any(n.type in ("GROUP", "REROUTE") or n.mute for n in tree.nodes)
     shader_tree.flatten(tree)
     plan.folder = folder = Folder(tree, plan.tell)
+    folder.lose = plan.lose
     out = tree.get_output_node("CYCLES")
     if out is None:
         plan.tell(None, "no output: taken as black")

@@ -82,6 +82,20 @@ def constant(tree, value):
     return node.outputs[0]
 
 
+def set_to(tree, target, value):
+    """Gives an input that is linked a constant: its own, where it has one."""
+    room = len(target.default_value) if hasattr(getattr(target, "default_value", None), "__len__") else 1
+    if not hasattr(target, "default_value") or target.hide_value:
+        tree.links.new(constant(tree, value), target)
+        return
+    for link in list(target.links):
+        tree.links.remove(link)
+    if room == 1:
+        target.default_value = value if isinstance(value, float) else sum(value) / 3.0
+    else:
+        target.default_value = ((value,) * 3 + (1.0,) if isinstance(value, float) else (*value, 1.0))[:room]
+
+
 def connect(tree, source, target):
     """Feeds an input from where another input is fed, or with its constant."""
     if source.is_linked:
@@ -264,6 +278,7 @@ class Values:
 
     def __init__(self, tree, warn):
         self.tree, self.nodes, self.warn = tree, tree.nodes, warn
+        self.lose = warn  # for what changes the light of the whole picture
 
     def ref(self, socket):
         return Ref(socket.node.name, list(socket.node.outputs).index(socket))

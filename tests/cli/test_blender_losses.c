@@ -186,6 +186,19 @@ BLENDER_TEST( test_what_cycles_leaves_out_by_its_settings )
     assert_non_null( strstr( cli_run( "$R info cycles_settings.glb" )->out, ", with alpha\n" ) );
 }
 
+BLENDER_TEST( test_sides_that_shine_differently )
+{
+    expect_warnings( "sides",
+                     ( const char* const[MOST] ){
+                         "loss: 'back': material 'back', node 'Mix Shader': its back shines in Blender, not its front: does not "
+                         "shine here: turn the faces round",
+                         "loss: 'both': material 'both', node 'Mix Shader': its sides shine differently in Blender: both as the "
+                         "front here",
+                         "loss: world 'fog' has a volume, which takes light on its way: left out",
+                         "'cube': left out where they are far from the camera in Blender (culling): always there here",
+                     } );
+}
+
 BLENDER_TEST( test_what_meshes_carry_over_time ) { expect_warnings( "carried", ( const char* const[MOST] ){ NULL } ); }
 
 BLENDER_TEST( test_missing_films_are_named_once )

@@ -24,11 +24,13 @@ BLENDER_TEST( test_means_are_those_of_cycles )
                    { "mixed_glass", false },
                    { "for_eevee", false },
                    { "rough_principled", false },
-                   { "curtains", false } };
+                   { "curtains", false },
+                   { "veiled", true },
+                   { "asked", false } };
     bool is_4 = blender_is_4();
     blender_make(
         "materials --samples 256 procedural images mapped glass transparent emission no_material groups lamps principled "
-        "mixed_glass for_eevee rough_principled curtains" );
+        "mixed_glass for_eevee rough_principled curtains veiled asked" );
     for ( size_t i = 0; i < sizeof scenes / sizeof scenes[0]; ++i )
     {
         const CliResult* done = blender_exported( scenes[i].name, "--bake 128" );

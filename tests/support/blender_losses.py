@@ -208,6 +208,22 @@ def cycles_settings():
     (smooth if hasattr(smooth, "use_adaptive_subdivision") else rock.cycles).use_adaptive_subdivision = True
 
 
+def sides():
+    """Sides that shine differently, a world with a volume, and an object that is culled."""
+    scene = plain()
+    scene.world = bpy.data.worlds.new("fog")
+    give_nodes(scene.world)
+    tree = scene.world.node_tree
+    out = next(n for n in tree.nodes if n.type == "OUTPUT_WORLD")
+    tree.links.new(tree.nodes.new("ShaderNodeVolumeScatter").outputs[0], out.inputs["Volume"])
+    for name, strengths in (("back", (0.0, 5.0)), ("both", (5.0, 1.0))):
+        s = blender_words.Shader(name)
+        a, b = (s.add("Emission", Strength=strength) if strength > 0.0 else s.add("BsdfDiffuse") for strength in strengths)
+        cube(name).data.materials.append(s.done(s.mix(s.add("NewGeometry").outputs["Backfacing"], a, b)))
+    scene.render.use_simplify = scene.cycles.use_distance_cull = True
+    scene.objects["cube"].cycles.use_distance_cull = True
+
+
 def over_time(o, kind, value, **settings):
     """Sets what a mesh carries by the number of the frame."""
     change, = geometry_group(o, kind)

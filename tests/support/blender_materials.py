@@ -82,6 +82,32 @@ def images():
     put("cube", s.done(s.add("Emission", Color=striped(s), Strength=2.5)), size=0.8, location=(1.2, 0.7, -1.3))
 
 
+def veiled():
+    """An image whose alpha no node asks for: Cycles shows its colours times alpha."""
+    plain_room()
+    s = Shader("veiled")
+    node = s.add("TexImage")
+    node.interpolation = "Closest"
+    node.image = bpy.data.images.new("veil", 8, 8, alpha=True)
+    node.image.pixels.foreach_set(numpy.tile(numpy.array([0.8, 0.7, 0.4, 0.5], numpy.float32), 64))
+    node.image.pack()
+    put("cube", s.done(s.add("BsdfDiffuse", Color=node)), size=1.6, location=(0.0, 0.7, -1.1))
+
+
+def asked():
+    """Colours and numbers that a material asks its objects for, by a custom property, by a property of Blender's, and by one that is not there."""
+    plain_room()
+    s = Shader("asked")
+    nodes = [s.add("Attribute"), s.add("Attribute"), s.add("Attribute")]
+    for node, name in zip(nodes, ("tint", "color", "absent")):
+        node.attribute_type, node.attribute_name = "OBJECT", name
+    half = s.mix(0.5, s.add("BsdfDiffuse", Color=nodes[0].outputs["Color"]), s.add("BsdfDiffuse", Color=nodes[1].outputs["Color"]))
+    material = s.done(s.mix(nodes[2].outputs["Fac"], half, s.add("Emission")))
+    for i, tint in enumerate(([0.1, 0.7, 0.7], [0.8, 0.2, 0.1])):
+        o = put("cube", material, size=1.2, location=(1.6 * i - 0.8, 0.7, -1.3))
+        o["tint"], o.color = tint, (0.9, 0.9, 0.1 + 0.8 * i, 1.0)
+
+
 def mapped():
     """Colours by maths on an image, on a mesh with a modifier, seen twice; and vertex colours."""
     plain_room()
