@@ -33,7 +33,7 @@ try:
     import numpy  # noqa: F401
 except ImportError:  # Debian's Blender 4 comes without it
     fail("this Blender's Python has no numpy, which its glTF exporter needs: install it (Debian: python3-numpy)")
-from blender import cameras, films, geometry, glb, lamp_keys, lights, materials, movement, moves, passes, sky, tracks, values  # noqa: E402
+from blender import cameras, films, geometry, glb, lamp_keys, lights, materials, movement, moves, passes, pilot, sky, tracks, values  # noqa: E402
 from blender.versions import TRIED  # noqa: E402
 
 
@@ -81,6 +81,7 @@ def main():
     scene.frame_set(first)
     sky.refuse_early(scene, args)
     cameras.warn_of_effects(scene, camera)
+    pilot.tell_limits(scene, camera)
     geometry.settle(scene)
     passes.begin(scene)
     recorder, recorded, world, in_view = watch(scene, camera, args.camera is None, range(first, last + 1, step))

@@ -43,6 +43,10 @@ BLENDER_TEST( test_means_are_those_of_cycles )
     }
     // a second time nothing is baked, and the same comes out
     expect_said( blender_exported( "procedural", "--bake 128 --overwrite" )->out, "from the cache" );
+    // Blender's own limits, by which a closed room loses light
+    expect_said( blender_exported( "asked", "--bake 128 --overwrite" )->err,
+                 "light ends by limits in Blender (4 diffuse, 4 glossy bounces of 12, Filter Glossy, Clamp Indirect): all "
+                 "of it is here, " );
     RfScene scene = convert_load( "curtains.glb" );
     assert_int_equal( find_material( &scene, "curtain" )->kind, RF_BSDF_TRANSLUCENT );
     assert_int_equal( find_material( &scene, "leaf" )->kind, RF_BSDF_TRANSLUCENT );

@@ -95,7 +95,10 @@ def veiled():
 
 
 def asked():
-    """Colours and numbers that a material asks its objects for, by a custom property, by a property of Blender's, and by one that is not there."""
+    """Colours and numbers that a material asks its objects for, by a custom property, by a property of Blender's, and by one that is not
+    there; light ends by Blender's own limits."""
+    cycles = bpy.context.scene.cycles
+    cycles.diffuse_bounces, cycles.glossy_bounces, cycles.blur_glossy, cycles.sample_clamp_indirect = 4, 4, 1.0, 10.0
     plain_room()
     s = Shader("asked")
     nodes = [s.add("Attribute"), s.add("Attribute"), s.add("Attribute")]

@@ -16,6 +16,9 @@ def begin(last=1, first=1, size=None):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = first, last
+    cycles = scene.cycles  # without Blender's limits of light, of which the exporter warns
+    cycles.diffuse_bounces = cycles.glossy_bounces = cycles.transmission_bounces = cycles.max_bounces
+    cycles.blur_glossy = cycles.sample_clamp_indirect = 0.0
     if size is not None:
         scene.render.engine = "CYCLES"
         scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = *size, 100
