@@ -1,68 +1,24 @@
-"""The add-on: File > Export > Reframe (.glb), and Render > Render Animation with Reframe. `pack` makes a zip of it that Blender installs.
+"""The add-on: the render engine (engine.py), File > Export > Reframe (.glb), and Render > Render Animation with Reframe. `pack` makes a zip
+of it that Blender installs.
 
 The exporter rewrites the scene that it exports, so another Blender runs it, on a copy of the open file, while this one shows its lines.
 """
 import os
-import queue
 import re
 import shlex
 import shutil
-import subprocess
-import sys
 import tempfile
-import threading
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.props import BoolProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from .blender import engine
+from .blender.programs import ExportSettings, Failed, Heard, Process, check_options, export_words, program_of, save_copy
+
 bl_info = {"name": "Reframe", "author": "Reframe's authors", "version": (0, 0, 0), "blender": (3, 4, 0), "category": "Render",
-           "location": "File > Export > Reframe (.glb), Render > Render Animation with Reframe",
+           "location": "Render Engine, File > Export > Reframe (.glb), Render > Render Animation with Reframe",
            "description": "Exports and renders animations with Reframe"}
-
-EXPORTER = os.path.join(os.path.dirname(os.path.realpath(__file__)), "blender", "export.py")
-SAID = re.compile(r"(blender-export|reframe render): ")
-PASSES = re.compile(r"passes of '.*': (--.*)")
-DONE = re.compile(r"frame \d+/\d+ .* (\d+) %|frame (\d+)/(\d+)")
-
-
-class Failed(Exception):
-    pass
-
-
-def blender():
-    """What starts another Blender: this program, or the Python that has it as a module."""
-    return [bpy.app.binary_path] if bpy.app.binary_path else [sys.executable, "-B", os.path.join(os.path.dirname(EXPORTER), "as_program.py")]
-
-
-class Process:
-    """A program whose lines are read while it runs."""
-
-    def __init__(self, command):
-        self.lines = queue.Queue()
-        self.process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                                        encoding="utf-8", errors="replace")
-        threading.Thread(target=self.read, daemon=True).start()
-
-    def read(self):
-        for line in self.process.stdout:
-            self.lines.put(line.strip())
-        self.lines.put(None)
-
-    def next_line(self, wait):
-        """None at the end; "" if there is none yet."""
-        try:
-            return self.lines.get(block=wait)
-        except queue.Empty:
-            return ""
-
-    def stop(self):
-        self.process.terminate()
-        try:
-            self.process.wait(5)
-        except subprocess.TimeoutExpired:
-            self.process.kill()
-            self.process.wait()
 
 
 def move_to(source, target):
@@ -81,8 +37,7 @@ class Work:
 
     def begin(self, context):
         self.folder = tempfile.mkdtemp(prefix="reframe-")
-        self.steps, self.process, self.timer, self.lost, self.last = self.work(context), None, None, [], ""
-        self.passes = []  # the options that give those of the view layer
+        self.steps, self.process, self.timer, self.heard = self.work(context), None, None, Heard()
 
     def end(self, context):
         self.steps.close()
@@ -95,28 +50,12 @@ class Work:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def hear(self, context, line):
-        text = SAID.sub("", line)
-        if text.startswith(("loss: ", "warning: ")) and text not in self.lost:
-            self.lost.append(text)
-        passes = PASSES.fullmatch(text)
-        if passes is not None:
-            self.passes = shlex.split(passes[1])
-        if text:
-            self.last = text
+        text, share = self.heard.hear(line)
         if self.timer is None or not text:
             return
-        context.workspace.status_text_set("Reframe: %s (Esc cancels)" % self.last)
-        done = DONE.match(text)
-        if done is not None:
-            share = int(done[1]) / 100.0 if done[1] is not None else int(done[2]) / int(done[3])
+        context.workspace.status_text_set("Reframe: %s (Esc cancels)" % text)
+        if share is not None:
             context.window_manager.progress_update(100.0 * share)
-
-    def why(self):
-        """Of a program that failed."""
-        losses = [text for text in self.lost if text.startswith("loss: ")]
-        if losses and not self.accept_losses:
-            return "\n".join(losses + ["Nothing is exported for what would be lost: change it, or tick Accept Losses"])
-        return self.last or "it was stopped"
 
     def advance(self, context, wait):
         """Goes on as far as the programs are; returns None until all is done."""
@@ -130,7 +69,7 @@ class Work:
             line = self.process.next_line(wait)
         if line is None:
             if self.process.process.wait() != 0:
-                raise Failed(self.why())
+                raise Failed(self.heard.why(self.accept_losses))
             self.process = None
 
     def go_on(self, context, wait):
@@ -139,8 +78,8 @@ class Work:
             return None
         except StopIteration:
             state = {"FINISHED"}
-            for text in sorted(self.lost):  # losses before warnings
-                self.report({"WARNING"}, text[len("warning: "):] if text.startswith("warning: ") else text)
+            for text in sorted(self.heard.lost):  # losses before warnings
+                self.report({"WARNING"}, text.removeprefix("warning: "))
         except Exception as e:  # whatever it is, no folder and no program stays behind
             state = {"CANCELLED"}
             self.report({"ERROR"}, str(e) or type(e).__name__)
@@ -175,29 +114,20 @@ class Work:
         self.end(context)
 
 
-class Exported:
+class Exported(ExportSettings):
     """The exporter's options, as properties."""
 
     frames: StringProperty(name="Frames", description="A-B or A-BxSTEP; empty: the scene's own range and step")
-    bake: EnumProperty(name="Bake", description="Pixels across of textures that replace what glTF cannot express", default="1024",
-                       items=[("0", "Nothing", "What glTF cannot express becomes constant, with a warning")] +
-                             [(n, n, "%s pixels across" % n) for n in ("256", "512", "1024", "2048", "4096", "8192")])
-    accept_losses: BoolProperty(name="Accept Losses", default=False,
-                                description="Export also if a movement is frozen, or the light of the whole picture is not Blender's")
 
     def export_to(self, out, more=()):
         """Exports a copy of the open file; what an export that is stopped leaves vanishes with the copy."""
         name = os.path.basename(out)
-        copy = os.path.join(self.folder, os.path.basename(bpy.data.filepath) or "unsaved.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=copy, copy=True, check_existing=False)
-        scripts = "--enable-autoexec" if bpy.context.preferences.filepaths.use_scripts_auto_execute else "--disable-autoexec"
-        options = [*more, *(["--bake", self.bake] if self.bake != "0" else ["--no-bake"])]
+        copy = save_copy(self.folder)
+        options = [*more, *self.export_options()]
         if self.frames:
             options += ["--frames", self.frames]
-        if self.accept_losses:
-            options.append("--accept-losses")
         made = os.path.join(self.folder, name)
-        yield "exporting", [*blender(), "-b", "--factory-startup", scripts, copy, "-P", EXPORTER, "--", made, *options]
+        yield "exporting", export_words(copy, bpy.context.scene, bpy.context.view_layer.name, made, options)
         base = name[:-len(".glb")]
         for file in (base + "-frames", base + "-sky.exr", name):  # the .glb last, which names the others
             move_to(os.path.join(self.folder, file), os.path.join(os.path.dirname(out), file))
@@ -234,7 +164,7 @@ class RenderReframe(bpy.types.Operator, Work, Exported):
             self.layout.prop(self, name)
 
     def work(self, context):
-        program, options = program_of(context), shlex.split(self.arguments)
+        program, options = program_of(context, __package__), shlex.split(self.arguments)
         check_options(program, options, self.folder)
         folder = bpy.path.abspath(self.directory) if self.directory else tempfile.mkdtemp(prefix="reframe-frames-")
         is_new = not self.directory or not os.path.isdir(folder)
@@ -250,34 +180,13 @@ class RenderReframe(bpy.types.Operator, Work, Exported):
         scene, frames = os.path.join(folder, "scene.glb"), os.path.join(folder, "frame.####.exr")
         yield from self.export_to(scene)
         started = os.stat(scene).st_mtime
-        yield "rendering", [program, "render", scene, "-o", frames, "--overwrite", *self.passes, *options]
+        yield "rendering", [program, "render", scene, "-o", frames, "--overwrite", *self.heard.passes, *options]
         open_frames({n: path for n, path in frames_of(folder).items() if os.stat(path).st_mtime >= started})
 
 
 def frames_of(folder):
     """The files of frames, by their numbers."""
     return {int(name[6:-4]): os.path.join(folder, name) for name in os.listdir(folder) if re.fullmatch(r"frame\.\d+\.exr", name)}
-
-
-def said_by(command):
-    """The exit status of a program that ends at once, and its last line."""
-    try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, encoding="utf-8",
-                              errors="replace", timeout=20, check=False)
-    except (OSError, subprocess.TimeoutExpired):
-        return None, ""
-    return done.returncode, (done.stdout.strip().splitlines() or [""])[-1]
-
-
-def check_options(program, options, folder):
-    """Finds what is wrong with the program or its options before the export, which may take long: `render` looks at all options before
-    it opens the scene."""
-    if re.match(r"reframe [\d.]+", said_by([program, "--version"])[1]) is None:
-        raise Failed("%s: is not the program reframe: give its path in the preferences of this add-on" % program)
-    scene, frames = os.path.join(folder, "no such scene.glb"), os.path.join(folder, "frame.####.exr")
-    status, text = said_by([program, "render", scene, "-o", frames, "--overwrite", *options])
-    if status == 2:
-        raise Failed(SAID.sub("", text))
 
 
 def open_frames(paths):
@@ -297,15 +206,6 @@ def open_frames(paths):
     space.image = image
     user = space.image_user
     user.frame_start, user.frame_offset, user.frame_duration, user.use_auto_refresh = first, first - 1, last - first + 1, True
-
-
-def program_of(context):
-    given = context.preferences.addons[__package__].preferences.program
-    path = bpy.path.abspath(given) if given else shutil.which("reframe")
-    if path is None or not os.path.isfile(path):
-        raise Failed("%s: the program is not there: install Reframe, or give its path in the preferences of this add-on" %
-                     (given or "reframe"))
-    return path
 
 
 class ReframePreferences(bpy.types.AddonPreferences):
@@ -331,6 +231,7 @@ def add_render(menu, context):
 def register():
     for one in CLASSES:
         bpy.utils.register_class(one)
+    engine.register()
     bpy.types.TOPBAR_MT_file_export.append(add_export)
     bpy.types.TOPBAR_MT_render.append(add_render)
 
@@ -338,5 +239,6 @@ def register():
 def unregister():
     bpy.types.TOPBAR_MT_render.remove(add_render)
     bpy.types.TOPBAR_MT_file_export.remove(add_export)
+    engine.unregister()
     for one in reversed(CLASSES):
         bpy.utils.unregister_class(one)

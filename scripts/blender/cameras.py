@@ -9,6 +9,7 @@ from .versions import compositor_of, curve_lists, has_nodes, has_strips, motion_
 
 SHARP = 1e6  # f-number
 CUT = 1e-4  # frames between the last key before a cut and the first one behind it
+_region = None  # of the picture, that the render engine asks for: left, bottom, right, top in pixels
 Y_UP = mathutils.Quaternion((math.sqrt(0.5), -math.sqrt(0.5), 0.0, 0.0))  # from Blender's axes to glTF's
 
 
@@ -36,7 +37,19 @@ def rounded(values):
     return [float("%.9g" % v) for v in values]
 
 
+def begin(args):
+    global _region
+    _region = args.engine
+
+
 def film_of(scene):
+    """The size of the exported pictures in pixels."""
+    if _region is not None:
+        return _region[2] - _region[0], _region[3] - _region[1]
+    return picture_of(scene)
+
+
+def picture_of(scene):
     """The size of Blender's pictures in pixels."""
     render = scene.render
     share = render.resolution_percentage / 100.0
@@ -66,9 +79,14 @@ def lens_of(scene, camera, depsgraph):
     kind = projection_of(scene, camera)
     if kind == "panoramic":
         return None, (0.0, 0.0)
-    width, height = film_of(scene)
+    width, height = picture_of(scene)
     render = scene.render
     m = camera.calc_matrix_camera(depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y)
+    if _region is not None:
+        left, bottom, right, top = _region
+        for row, low, high, size in ((0, left, right, width), (1, bottom, top, height)):
+            scale, middle = size / (high - low), (low + high) / size - 1.0
+            m[row][row], m[row][2], m[row][3] = m[row][row] * scale, (m[row][2] + middle) * scale, (m[row][3] - middle) * scale
     if kind == "orthographic":
         return 1.0 / m[1][1], (-0.5 * m[0][3] * m[1][1] / m[0][0], -0.5 * m[1][3])
     return math.degrees(2.0 * math.atan(1.0 / m[1][1])), (0.5 * m[0][2] * m[1][1] / m[0][0], 0.5 * m[1][2])
@@ -217,13 +235,11 @@ PLAIN_COMPOSITOR = ("R_LAYERS", "COMPOSITE", "VIEWER", "GROUP_OUTPUT", "REROUTE"
 def warn_of_pictures(scene):
     """What Blender does to whole pictures."""
     render, cycles = scene.render, scene.render.engine == "CYCLES"
-    if cycles and abs(scene.cycles.film_exposure - 1.0) > 1e-6:
-        warn("the film's exposure of %g is taken as one of the view: files have the scene's own light" % scene.cycles.film_exposure)
-    compositor = compositor_of(scene) if render.use_compositing else None
-    if compositor is not None and any(n.type not in PLAIN_COMPOSITOR for n in compositor.nodes):
-        warn("the compositor's nodes are left out: pictures are those of the camera")
-    if render.use_sequencer and has_strips(scene):
-        warn("the sequencer's strips are left out: the scene itself is exported")
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
+    if space != "Linear Rec.709":
+        lose("the working colour space is %s: its colours are taken as those of Linear Rec.709" % space)
+    if _region is None:
+        warn_of_finish(scene, cycles)
     if render.use_multiview:
         warn("stereoscopy is left out: one camera is exported")
     if cycles and render.use_motion_blur and scene.cycles.rolling_shutter_type != "NONE":
@@ -234,7 +250,6 @@ def warn_of_pictures(scene):
         warn_of_culling(scene)
     if render.use_freestyle:
         warn("Freestyle's lines are left out")
-    warn_of_view(scene)
     if cycles:
         warn_of_light(scene)
     warn_of_layers(scene)
@@ -251,10 +266,20 @@ def warn_of_culling(scene):
             warn("%s: left out where they are %s in Blender (culling): always there here" % (list_some(names), where))
 
 
+def warn_of_finish(scene, cycles):
+    """What Blender does to finished pictures; those of the render engine go through it."""
+    render = scene.render
+    if cycles and abs(scene.cycles.film_exposure - 1.0) > 1e-6:
+        warn("the film's exposure of %g is taken as one of the view: files have the scene's own light" % scene.cycles.film_exposure)
+    compositor = compositor_of(scene) if render.use_compositing else None
+    if compositor is not None and any(n.type not in PLAIN_COMPOSITOR for n in compositor.nodes):
+        warn("the compositor's nodes are left out: pictures are those of the camera")
+    if render.use_sequencer and has_strips(scene):
+        warn("the sequencer's strips are left out: the scene itself is exported")
+    warn_of_view(scene)
+
+
 def warn_of_view(scene):
-    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "Linear Rec.709")
-    if space != "Linear Rec.709":
-        lose("the working colour space is %s: its colours are taken as those of Linear Rec.709" % space)
     if scene.view_settings.use_curve_mapping:
         warn("the view's curves are left out")
     if scene.display_settings.display_device != "sRGB":
@@ -307,7 +332,7 @@ def warn_of_effects(scene, camera):
     if camera.data.type == "PANO" and camera.data.dof.use_dof:
         warn("'%s' is panoramic: exported without its depth of field" % camera.name)
     warn_of_pictures(scene)
-    if scene.render.use_border:
+    if scene.render.use_border and _region is None:
         warn("the render region is ignored: the whole picture is exported")
     out = scene.world.node_tree.get_output_node("CYCLES") if scene.world is not None and has_nodes(scene.world) else None
     if out is not None and out.inputs["Volume"].is_linked:

@@ -72,9 +72,11 @@ def main():
     args = parse(__doc__.split("\n")[0])
     hush()
     scene = bpy.context.scene
+    scene.pop("reframe_render", None)  # the settings of the render engine are no part of the scene
     first, last, step = frame_range(scene, args.frames)
     if bpy.app.version[:2] > TRIED:
         warn("Blender %d.%d is newer than those that this exporter was tried with, up to %d.%d" % (*bpy.app.version[:2], *TRIED))
+    cameras.begin(args)
     films.begin(args, range(first, last + 1, step), rate_of(scene))
     camera = cameras.find_camera(scene, args.camera)
     name = camera.name

@@ -138,6 +138,13 @@ def bake_size(text):
     return int(text)
 
 
+def region(text):
+    left, bottom, right, top = (int(n) for n in text.split(","))
+    if not 0 <= left < right or not 0 <= bottom < top:
+        raise argparse.ArgumentTypeError("must be X0,Y0,X1,Y1, got '%s'" % text)
+    return left, bottom, right, top
+
+
 def parse(about):
     own = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
     p = argparse.ArgumentParser(prog="blender -b scene.blend -P export.py --", description=about)
@@ -153,6 +160,9 @@ def parse(about):
     p.add_argument("--embed", action="store_true", help="put the map of the sky into the .glb, not into a file beside it")
     p.add_argument("--accept-losses", action="store_true",
                    help="export also if a movement is frozen, or the light of the whole picture is not Blender's: a warning, not an error")
+    p.add_argument("--engine", type=region, metavar="X0,Y0,X1,Y1",
+                   help="for the add-on's render engine: only these pixels of the picture, counted from below, and no warnings of what "
+                   "Blender does to finished pictures")
     p.add_argument("--overwrite", action="store_true", help="replace files that are there already")
     try:
         args = p.parse_args(own)
