@@ -45,10 +45,14 @@ def passes_of(scene, layer):
     return [p for p in list_render_passes(scene, layer) if KNOWN.fullmatch(pass_name(p[0]))]
 
 
+def picture_of(scene):
+    """Its width and height."""
+    return [max(int(n * scene.render.resolution_percentage / 100.0), 1) for n in (scene.render.resolution_x, scene.render.resolution_y)]
+
+
 def region_of(scene):
     """The pixels that are rendered: left, bottom, right, top, rounded as Blender does."""
-    render = scene.render
-    width, height = (max(int(n * render.resolution_percentage / 100.0), 1) for n in (render.resolution_x, render.resolution_y))
+    render, (width, height) = scene.render, picture_of(scene)
     if not render.use_border:
         return 0, 0, width, height
     return tuple(int(numpy.float32(share) * numpy.float32(size)) for share, size in (
@@ -106,6 +110,8 @@ class Run:
 
     def __init__(self, engine, scene, layer):
         self.scene, self.settings, self.region, self.layer = scene.name, scene.reframe_render, region_of(scene), layer
+        self.exported = self.region if scene.camera is None or scene.camera.data.type != "PANO" else (0, 0, *picture_of(scene))
+        self.threads = ["--threads", str(scene.render.threads)] if scene.render.threads_mode == "FIXED" else []
         self.process, self.heard, self.finished = None, Heard(), set()
         self.temporary = tempfile.mkdtemp(prefix="reframe-")
         if is_one_of_several(engine):
@@ -134,11 +140,11 @@ class Run:
 
     def start(self, engine, program):
         alone = len(self.frames) == 1 and self.folder == self.temporary
-        settings = [*(["--group", "0"] if alone else self.settings.group_options()), *self.settings.render_options(), "--names", "blender",
-                    "--float", "--compression", "zip", "--resume", "--overwrite"]
+        settings = [*(["--group", "0"] if alone else self.settings.group_options()), *self.threads, *self.settings.render_options(),
+                    "--names", "blender", "--float", "--compression", "zip", "--resume", "--overwrite"]
         check_options(program, settings, self.temporary)
         os.makedirs(self.folder, exist_ok=True)
-        options = ["--engine", ",".join(map(str, self.region)), "--frames", self.range, "--overwrite", *self.settings.export_options()]
+        options = ["--engine", ",".join(map(str, self.exported)), "--frames", self.range, "--overwrite", *self.settings.export_options()]
         copy = in_main_thread(engine, lambda: save_copy(self.temporary))
         self.run(engine, "exporting", export_words(copy, bpy.data.scenes[self.scene], self.layer, self.glb, options))
         for text in sorted(self.heard.lost):  # losses before warnings
@@ -148,7 +154,7 @@ class Run:
         self.find_finished(engine, command)
         engine.report({"INFO"}, shlex.join(command))
         if len(self.finished) < len(self.frames):
-            self.process = Process(command)
+            self.process, self.heard.last = Process(command), "rendering"
 
     def run(self, engine, label, command, is_checked=True):
         """Runs a program to its end."""
@@ -250,7 +256,7 @@ class ReframeRender(bpy.types.RenderEngine):
             return  # one view layer is rendered; the exporter names the others
         try:
             run = run_of(self, scene, layer)
-            self.give(scene, layer, run.region, run.wait_for(self, scene.frame_current))
+            self.give(scene, layer, run, run.wait_for(self, scene.frame_current))
             if not is_one_of_several(self) or scene.frame_current == run.frames[-1]:
                 end_run()
         except Stopped:
@@ -259,11 +265,12 @@ class ReframeRender(bpy.types.RenderEngine):
             end_run()
             self.report({"ERROR"}, str(e))  # which also ends an animation
 
-    def give(self, scene, layer, region, path):
+    def give(self, scene, layer, run, path):
         """Hands a frame over."""
         pictures, manifest = pictures_of(path)
-        left, bottom, right, top = region
-        width, height = right - left, top - bottom
+        left, bottom, right, top = run.region
+        width, height, wide, high = right - left, top - bottom, run.exported[2] - run.exported[0], run.exported[3] - run.exported[1]
+        x, y = left - run.exported[0], bottom - run.exported[1]
         exposure = scene.cycles.film_exposure if hasattr(scene, "cycles") else 1.0
         for name, channels, _ in passes_of(scene, scene.view_layers[layer]):
             if name != "Combined":
@@ -277,13 +284,13 @@ class ReframeRender(bpy.types.RenderEngine):
             if planes is None:
                 continue
             shape = next(iter(planes.values())).shape
-            if shape != (height, width):
+            if shape != (high, wide):
                 self.end_result(result, cancel=True)
-                raise Failed("frames are %dx%d, not %dx%d as Blender's: take --size out of the options" % (*shape[::-1], width, height))
+                raise Failed("frames are %dx%d, not %dx%d as Blender's: take --size out of the options" % (*shape[::-1], wide, high))
             values = numpy.ones((height, width, one.channels), numpy.float32)  # of alpha where there is none
             for i, letter in enumerate(one.channel_id):
                 if letter in planes:
-                    values[:, :, i] = planes[letter][::-1]
+                    values[:, :, i] = planes[letter][::-1][y:y + height, x:x + width]
             if one.name.startswith("Combined") or pass_name(one.name) == "Emit":
                 values[:, :, :3] *= exposure
             fill(one.rect, values)

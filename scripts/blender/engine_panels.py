@@ -62,13 +62,13 @@ class EnginePanel:
 
     def draw(self, context):
         self.layout.use_property_split, self.layout.use_property_decorate = True, False
-        self.draw_settings(self.layout, context.scene.reframe_render)
+        self.draw_settings(self.layout, context.scene.reframe_render, context.scene.render)
 
 
 class REFRAME_PT_sampling(EnginePanel, bpy.types.Panel):
     bl_label = "Sampling"
 
-    def draw_settings(self, layout, settings):
+    def draw_settings(self, layout, settings, render):
         layout.prop(settings, "samples")
         layout.prop(settings, "noise")
         layout.prop(settings, "clamp")
@@ -79,7 +79,7 @@ class REFRAME_PT_sampling(EnginePanel, bpy.types.Panel):
 class REFRAME_PT_reuse(EnginePanel, bpy.types.Panel):
     bl_label = "Path Reuse"
 
-    def draw_settings(self, layout, settings):
+    def draw_settings(self, layout, settings, render):
         layout.prop(settings, "is_group_auto")
         column = layout.column()
         column.active = not settings.is_group_auto
@@ -87,10 +87,20 @@ class REFRAME_PT_reuse(EnginePanel, bpy.types.Panel):
         layout.prop(settings, "tile")
 
 
+class REFRAME_PT_threads(EnginePanel, bpy.types.Panel):
+    bl_label, bl_options = "Threads", {"DEFAULT_CLOSED"}
+
+    def draw_settings(self, layout, settings, render):
+        layout.prop(render, "threads_mode")
+        column = layout.column()
+        column.enabled = render.threads_mode == "FIXED"
+        column.prop(render, "threads")
+
+
 class REFRAME_PT_export(EnginePanel, bpy.types.Panel):
     bl_label = "Export"
 
-    def draw_settings(self, layout, settings):
+    def draw_settings(self, layout, settings, render):
         for name in ("bake", "accept_losses", "folder", "arguments"):
             layout.prop(settings, name)
 
@@ -109,7 +119,7 @@ class REFRAME_PT_passes(EnginePanel, bpy.types.Panel):
             column.prop(layer.cycles, "denoising_store_passes", text="Denoising Data")
 
 
-CLASSES = (ReframeSettings, REFRAME_PT_sampling, REFRAME_PT_reuse, REFRAME_PT_export, REFRAME_PT_passes)
+CLASSES = (ReframeSettings, REFRAME_PT_sampling, REFRAME_PT_reuse, REFRAME_PT_threads, REFRAME_PT_export, REFRAME_PT_passes)
 
 
 # Panels and nodes of Blender's own.

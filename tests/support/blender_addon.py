@@ -76,6 +76,10 @@ def check_operators():
     with open("passes/frame.0005.exr", "rb") as file:
         assert b"ViewLayer.Depth.Z" in file.read(), "the view layer's passes are not rendered"
     assert state() == before and bpy.context.scene.camera.lock_location[0], "the open file was changed"
+    scene = bpy.context.scene
+    scene.render.engine, scene.reframe_render.samples, old = "REFRAME", 2, scene.render.engine
+    assert bpy.ops.render.render() == {"FINISHED"}  # more of the engine: blender_engine.py
+    scene.render.engine = old
 
 
 def check_film():

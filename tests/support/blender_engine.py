@@ -5,6 +5,7 @@
 import os
 import re
 import sys
+import types
 import zipfile
 
 import bpy
@@ -15,6 +16,7 @@ zipfile.ZipFile(ZIP).extractall("addons")
 sys.path.insert(0, os.path.abspath("addons"))
 bpy.ops.preferences.addon_enable(module="reframe")
 from reframe.blender import engine, exr  # noqa: E402
+from reframe.blender.versions import panorama_of  # noqa: E402
 
 LAYER = "Main layer"
 FRAMES = (5, 7, 9)
@@ -101,12 +103,16 @@ def check_still(scene):
         render.filepath = os.path.abspath(name + ".exr")
         assert bpy.ops.render.render(write_still=True) == {"FINISHED"}
         pictures[name] = rendered(name + ".exr")[0]["Depth", "Z"]
-    render.use_border = False
+    scene.camera.data.type = "PANO"  # of which no part can be exported
+    panorama_of(scene.camera.data).panorama_type = "EQUIRECTANGULAR"
+    assert bpy.ops.render.render(write_still=True) == {"FINISHED"}
+    assert rendered("part.exr")[0]["Combined", "R"].shape == pictures["part"].shape
+    scene.camera.data.type, render.use_border = "PERSP", False
     part = pictures["whole"][40 - int(0.73 * 40):40 - int(0.2 * 40), int(0.33 * 64):int(0.8 * 64)]
     assert part.shape == pictures["part"].shape, (part.shape, pictures["part"].shape)
     cube = (part < 100.0) & (pictures["part"] < 100.0)
     assert cube.mean() > 0.5 and numpy.abs(part - pictures["part"])[cube].mean() < 0.03, "the region is another one"  # by a pixel: 0.1
-    assert ["--frames 7 " in call and " --group 0 " in call for call in renders()] == [True, True]
+    assert ["--frames 7 " in call and " --group 0 " in call for call in renders()] == [True] * 3
 
 
 class Esc:
@@ -174,7 +180,10 @@ def check_panels():
     names = shown("REFRAME")
     assert {"CYCLES_MATERIAL_PT_surface", "CYCLES_LIGHT_PT_light", "CYCLES_WORLD_PT_surface", "REFRAME_PT_sampling"} <= names, names
     assert not names & {"CYCLES_RENDER_PT_sampling", "CYCLES_RENDER_PT_light_paths", "CYCLES_MATERIAL_PT_preview"}, names
+    polls = [poll for poll, _ in engine.engine_panels._polls]
+    assert polls and all(poll(types.SimpleNamespace(engine=name)) for poll in polls for name in ("CYCLES", "REFRAME"))
     bpy.ops.preferences.addon_disable(module="reframe")
+    assert not any(poll(types.SimpleNamespace(engine="REFRAME")) for poll in polls)
     assert not {n for n in shown("REFRAME") if not n.startswith("REFRAME")} and {"CYCLES_RENDER_PT_sampling"} <= shown("CYCLES")
     assert not hasattr(bpy.types.Scene, "reframe_render")
 
