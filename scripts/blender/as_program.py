@@ -1,7 +1,7 @@
 """Blender as a Python module (`pip install bpy`), used like the program: a part of its command line, in its order.
 
     python as_program.py -b [--factory-startup] [--enable-autoexec | --disable-autoexec] [FILE.blend] [--python-exit-code N]
-        [--python-expr TEXT] [-P FILE.py] [-- WORDS]
+        [-E ENGINE] [--python-expr TEXT] [-P FILE.py] [-- WORDS]
     python as_program.py --version
 
 A module starts from factory settings; there is no window, and no event loop.
@@ -30,6 +30,8 @@ def run(words):
             autoexec = word in ("--enable-autoexec", "-y")
         elif word == "--version":
             print("Blender %s" % bpy.app.version_string)
+        elif word in ("-E", "--engine"):
+            bpy.context.scene.render.engine = next(words)
         elif word == "--python-exit-code":
             status = int(next(words))
         elif word in ("-P", "--python", "--python-expr"):

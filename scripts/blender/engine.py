@@ -102,7 +102,8 @@ def list_of(frames):
 
 def is_one_of_several(engine):
     """An animation, not a frame by itself, which Blender's option -f renders as an animation of one."""
-    return engine.is_animation and not (bpy.app.background and {"-f", "--render-frame"} & set(sys.argv))
+    words = sys.argv[:sys.argv.index("--")] if "--" in sys.argv else sys.argv
+    return engine.is_animation and not (bpy.app.background and {"-f", "--render-frame"} & set(words))
 
 
 class Run:
