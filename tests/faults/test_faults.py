@@ -112,7 +112,7 @@ class Renders(unittest.TestCase):
         self.assertEqual(message.count("\n"), 0, "%s: more than a line: %s" % (what, message))
         self.assertNotEqual(message, "", "%s: no message" % what)
         if kind == "alloc":
-            self.assertRegex(message, "memory|MiB|Embree|libgomp", what)
+            self.assertRegex(message, "memory|MiB|Embree|libgomp|system limits allow", what)
         self.check_no_half_frame(folder, what)
         self.resume(folder, what)
         shutil.rmtree(folder)
