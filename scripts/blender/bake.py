@@ -15,7 +15,8 @@ import mathutils
 import numpy
 
 from . import gloss, shader_tree
-from .channels import ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, STEP, WORDS, is_constant, make_textures, means_of
+from .channels import (ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, STEP, WORDS, coordinates_of, is_constant, is_read, make_textures,
+                       means_of)
 from .messages import note, warn
 from .shader_tree import SKIPPED
 
@@ -110,11 +111,97 @@ class Views:
         return max(2.0 * radius / d * focal if d > 2.0 * radius else math.inf for d, focal in near)
 
     def side(self, job):
-        pixels = max(self.pixels(o) for o in job.objects)
+        pixels = min(SIDES * max(self.pixels(o) for o in job.objects), texels_of(job))
         side = min(SMALLEST, self.largest)
-        while side < min(SIDES * pixels, self.largest):
+        while side < min(pixels, self.largest):
             side *= 2
         return min(side, self.largest)
+
+
+# How fine a bake can be at most: as fine as the images behind it, where nothing else is.
+
+FILLED = 0.5  # of a texture's pixels have faces, or more
+OPERATIONS = ("ADD", "SUBTRACT", "MULTIPLY", "DIVIDE", "MULTIPLY_ADD", "MINIMUM", "MAXIMUM", "ABSOLUTE", "SCALE", "POWER", "SQRT")
+SMOOTH = {"MATH": ("operation", OPERATIONS), "VECT_MATH": ("operation", OPERATIONS),
+          "VALTORGB": ("color_ramp.interpolation", ("LINEAR", "EASE", "B_SPLINE", "CARDINAL")),
+          "MAP_RANGE": ("interpolation_type", ("LINEAR", "SMOOTHSTEP", "SMOOTHERSTEP"))}
+SMOOTH.update({kind: None for kind in (
+    "MIX", "MIX_RGB", "INVERT", "HUE_SAT", "BRIGHTCONTRAST", "GAMMA", "CURVE_RGB", "CURVE_VEC", "CURVE_FLOAT", "RGBTOBW", "CLAMP", "VALUE",
+    "RGB", "SEPARATE_COLOR", "COMBINE_COLOR", "SEPRGB", "COMBRGB", "SEPXYZ", "COMBXYZ", "NORMAL_MAP", "FRESNEL", "LAYER_WEIGHT")})
+
+
+def is_smooth(node):
+    """Does a node make no detail of its own?"""
+    if node.type not in SMOOTH:
+        return False
+    if SMOOTH[node.type] is None:
+        return True
+    name, allowed = SMOOTH[node.type]
+    return node.path_resolve(name) in allowed
+
+
+def images_behind(plan):
+    """The image nodes behind what a plan bakes; None where there is more."""
+    tree, images, done = plan.copy.node_tree, [], set()
+    values = [getattr(plan.surface, n) for n in plan.baked | plan.averaged]
+    left = [tree.nodes[v.node] for v in values if isinstance(v, Ref)]
+    while left:
+        node = left.pop()
+        if node.name in done:
+            continue
+        done.add(node.name)
+        if node.type == "TEX_IMAGE":
+            is_still = is_read(node.image) and node.image.source in ("FILE", "GENERATED")
+            if not is_still or node.projection != "FLAT" or node.interpolation == "Closest" or coordinates_of(node) is None:
+                return None
+            images.append(node)
+        elif is_smooth(node):
+            left += [link.from_node for i in node.inputs for link in i.links]
+        else:
+            return None
+    return images
+
+
+def texels_of(job):
+    """The side of a texture in which every pixel of the images that are baked finds one; infinite where more than images is baked."""
+    mesh = job.objects[0].data
+    images = [(slot, node) for slot, plan in job.plans.items() for node in images_behind(plan) or (None,)]
+    if any(node is None for _, node in images) or any(p.changes is not None for p in job.plans.values()):
+        return math.inf
+    mesh.calc_loop_triangles()
+    corners, slots = numpy.empty(3 * len(mesh.loop_triangles), numpy.int32), numpy.empty(len(mesh.loop_triangles), numpy.int32)
+    mesh.loop_triangles.foreach_get("loops", corners)
+    mesh.loop_triangles.foreach_get("material_index", slots)
+    corners, slots = corners.reshape(-1, 3), numpy.clip(slots, 0, max(len(mesh.materials) - 1, 0))
+    vertices, points = numpy.empty(len(mesh.loops), numpy.int32), numpy.empty(3 * len(mesh.vertices), numpy.float32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    mesh.vertices.foreach_get("co", points)
+    areas = areas_of(points.reshape(-1, 3)[vertices][corners])
+    whole, most = areas[numpy.isin(slots, list(job.plans))].sum(), 0.0
+    for slot, node in images:
+        name, turn = coordinates_of(node)
+        layer = mesh.uv_layers.get(name or default_layer(mesh))
+        if layer is None:
+            continue  # one texel
+        uvs = numpy.empty(2 * len(mesh.loops), numpy.float32)
+        layer.data.foreach_get("uv", uvs)
+        shown = (slots == slot) & (areas > 1e-6 * whole)
+        scale = numpy.prod(numpy.array(node.image.size, float) * (turn[2] if turn else 1.0))
+        texels = areas_of(numpy.pad(uvs.reshape(-1, 2), ((0, 0), (0, 1)))[corners[shown]]) * abs(scale)
+        most = max(most, quantile(texels / areas[shown], areas[shown]))
+    return math.sqrt(most * whole / FILLED)
+
+
+def areas_of(triangles):
+    return 0.5 * numpy.linalg.norm(numpy.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1)
+
+
+def quantile(values, weights):
+    """Nine tenths of the area have less."""
+    if len(values) == 0:
+        return 0.0
+    order = numpy.argsort(values)
+    return float(values[order][numpy.searchsorted(numpy.cumsum(weights[order]), 0.9 * weights.sum())])
 
 
 def bake_job(job, side, cache):

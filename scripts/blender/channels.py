@@ -157,10 +157,10 @@ def coordinates_of(node):
     return None
 
 
-def plain_image(node, spaces):
-    """Is this an image node whose pixels glTF can carry?"""
+def plain_image(node, spaces, deep=False):
+    """Is this an image node whose pixels glTF can carry? `deep`: also if they have more than 8 bits."""
     image = node.image
-    return (node.type == "TEX_IMAGE" and is_read(image) and image.source in ("FILE", "GENERATED") and not image.is_float and
+    return (node.type == "TEX_IMAGE" and is_read(image) and image.source in ("FILE", "GENERATED") and (deep or not image.is_float) and
             node.projection == "FLAT" and node.extension in ("REPEAT", "EXTEND") and
             image.colorspace_settings.name in spaces and coordinates_of(node) is not None and not is_dimmed(node))
 

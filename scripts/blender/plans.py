@@ -1,7 +1,7 @@
 """What is to be done about a material: left as it is, replaced, or baked."""
 import bpy
 
-from . import displacement, grain, shader_tree
+from . import displacement, grain, packed, shader_tree
 from .channels import ADDED, BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_read, number_source
 from .folding import Folder, settle_flat
 from .gloss import tell_held
@@ -126,12 +126,13 @@ def make_plan(material, users, still=None):
     tell_shadows(plan)
     shine_through(plan)
     tell_images(plan, behind)
+    is_packed = packed.settle(folder, plan.surface)
     sort_channels(plan)
     first = out.inputs["Surface"].links[0].from_node if out.inputs["Surface"].is_linked else None
     if still is not None or first is None or first.type != "BSDF_PRINCIPLED" or grouped or is_principled_2(first):
         return plan
     plan.averaged -= {n for n, name in EXPORTED.items() if is_image(folder, first.inputs[name])}
-    plan.plain = (not asks and not plan.baked and not plan.averaged and
+    plan.plain = (not asks and not is_packed and not plan.baked and not plan.averaged and
                   not out.inputs["Displacement"].is_linked and is_only_output(material) and
                   not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
                   first.inputs["Subsurface"].default_value == 0.0 and max(plan.surface.sheen) == 0.0 and plan.surface.aspect == 1.0 and

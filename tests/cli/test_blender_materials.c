@@ -64,6 +64,35 @@ BLENDER_TEST( test_means_are_those_of_cycles )
     rf_destroy_scene( &scene );
 }
 
+// A channel of the texture of roughness and metallic, in the left half and in the right one.
+static void expect_numbers( const RfScene* scene, const char* name, int channel, int left, int right )
+{
+    int number = find_material( scene, name )->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture;
+    assert_true( number >= 0 );
+    const RfTexture* found = &scene->textures[number];
+    assert_true( found->width == 16 && found->height == 16 && found->bytes != NULL && found->channels >= 3 );
+    for ( int x = 0; x < 16; ++x )
+        assert_in_range( found->bytes[(size_t)( 16 * 3 + x ) * (size_t)found->channels + (size_t)channel] + 1 -
+                             ( x < 8 ? left : right ),
+                         0, 2 );
+}
+
+// Numbers that are channels of images need no bake, and what is made of an image alone has no finer one. The expected values are
+// Cycles' luminance of the two colours, of which sRGB is made linear first.
+BLENDER_TEST( test_numbers_of_images )
+{
+    blender_make( "materials --samples 256 packed" );
+    const CliResult* done = blender_exported( "packed", "--bake 512" );
+    expect_said( done->out, "baked 1 of 1: 'Cube.003' at 128x128: roughness: " );
+    expect_cycles_mean( "packed", 0.98, 1.02 );
+    AUTO_SCENE scene = convert_load( "packed.glb" );
+    expect_numbers( &scene, "luminance", 1, 128, 120 );
+    expect_numbers( &scene, "inverted", 1, 193, 197 );
+    expect_numbers( &scene, "inverted", 2, 34, 8 );
+    expect_said( blender_exported( "packed", "--no-bake --overwrite" )->err,
+                 "'bent', node 'Gamma': roughness varies and is not baked" );
+}
+
 // Diffuse and gloss of two colours are one surface, as bright as in Cycles. Each surface alone is within a per cent; the
 // mean of a closed room of them shows ten times that.
 BLENDER_TEST( test_mixtures_of_gloss )

@@ -94,6 +94,38 @@ def veiled():
     put("cube", s.done(s.add("BsdfDiffuse", Color=node)), size=1.6, location=(0.0, 0.7, -1.1))
 
 
+def halves(s, space):
+    """An image of two colours."""
+    node = s.add("TexImage")
+    node.interpolation = "Closest"
+    name = "halves of " + space
+    node.image = bpy.data.images.get(name)
+    if node.image is None:
+        node.image = bpy.data.images.new(name, 16, 16)
+        node.image.colorspace_settings.name = space
+        pixels = numpy.ones((16, 16, 4), numpy.float32)
+        pixels[:, :8, :3], pixels[:, 8:, :3] = (0.2, 0.6, 0.4), (0.8, 0.4, 0.2)
+        node.image.pixels.foreach_set(pixels.ravel())
+        node.image.pack()
+    return node
+
+
+def packed():
+    """Roughness and metallic by images: of their luminance, of a channel, inverted; and by more than a channel, which is baked."""
+    plain_room()
+    s = Shader("luminance")
+    put("cube", s.done(s.add("BsdfPrincipled", Roughness=halves(s, "Non-Color"), Metallic=1.0)), size=1.0, location=(-1.1, 0.7, -1.3))
+    s = Shader("inverted")
+    image = halves(s, "sRGB")
+    split, invert = s.add("SeparateColor", Color=image), s.add("Invert", Color=image)
+    bsdf = s.add("BsdfPrincipled", Roughness=invert, Metallic=split.outputs["Blue"])
+    put("cube", s.done(bsdf), size=1.0, location=(0.2, 0.7, -1.3))
+    s = Shader("bent")
+    image = halves(s, "Non-Color")
+    image.interpolation = "Linear"
+    put("cube", s.done(s.add("BsdfPrincipled", Roughness=s.add("Gamma", Color=image, Gamma=2.0))), size=0.8, location=(1.2, 0.7, -1.3))
+
+
 def asked():
     """Colours and numbers that a material asks its objects for, by a custom property, by a property of Blender's, and by one that is not
     there; light ends by Blender's own limits."""
