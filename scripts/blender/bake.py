@@ -315,7 +315,7 @@ def make_materials(job, name, result, solid, made, build, mesh):
 
 SAMPLES = 4
 MARGIN = 8  # pixels around each island, against seams
-NOTHING = -12345.0  # marks pixels that no face has
+NOTHING = -1e30  # marks pixels that no face has; margins of Blender 5 mix a little of it into some
 
 
 def own_mesh(o):
@@ -477,7 +477,7 @@ def bake_seen(o, plans, kind, size, pin, cosine):
 
 def fill_gaps(pixels):
     """RGB, with the mean where no face is."""
-    covered = pixels[:, :, 0] != NOTHING
+    covered = pixels[:, :, :3].min(axis=2) > 1e-10 * NOTHING
     rgb = numpy.nan_to_num(pixels[:, :, :3], posinf=1e4, neginf=0.0)
     if covered.any():
         rgb[~covered] = rgb[covered].mean(axis=0)
@@ -532,7 +532,7 @@ def bake_part(o, part, job, size, uvs=None):
 
 # Bakes kept on disk, by a hash of what they were made from.
 
-VERSION = b"reframe bake 3"
+VERSION = b"reframe bake 4"
 
 
 class Cache:

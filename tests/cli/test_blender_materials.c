@@ -89,6 +89,11 @@ BLENDER_TEST( test_numbers_of_images )
     expect_numbers( &scene, "luminance", 1, 128, 120 );
     expect_numbers( &scene, "inverted", 1, 193, 197 );
     expect_numbers( &scene, "inverted", 2, 34, 8 );
+    // where no face is, the mean of the faces; and nothing is mixed of both at their margins
+    const RfTexture* bent =
+        &scene.textures[find_material( &scene, "bent" )->textured->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture];
+    for ( size_t i = 0; i < (size_t)bent->width * (size_t)bent->height; ++i )
+        assert_in_range( bent->bytes[i * (size_t)bent->channels + 1], 55, 75 );
     expect_said( blender_exported( "packed", "--no-bake --overwrite" )->err,
                  "'bent', node 'Gamma': roughness varies and is not baked" );
 }
