@@ -142,14 +142,14 @@ def make_plan(material, users, still=None):
 
 def tell_odd(plan):
     """Constants that no surface has, which are clamped."""
-    s, odd = plan.surface, []
-    if is_constant(s.emission) and min(s.emission) < 0.0:
-        odd.append("takes light away in Blender: does not shine here")
-    if s.base is not None and is_constant(s.base) and max(s.base) > 1.0:
-        odd.append("reflects more light than arrives in Blender: its colour is taken as 1 at most")
-    for text in odd:
-        plan.tell(None, text)
-    return bool(odd)
+    s = plan.surface
+    takes = is_constant(s.emission) and min(s.emission) < 0.0
+    if takes:
+        plan.tell(None, "takes light away in Blender: does not shine here")
+    reflects = s.base is not None and is_constant(s.base) and max(s.base) > 1.0
+    if reflects:
+        plan.tell(None, "reflects more light than arrives in Blender: its colour is taken as 1 at most")
+    return takes or reflects
 
 
 def tell_shadows(plan):
