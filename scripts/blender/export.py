@@ -96,6 +96,8 @@ def main():
     film = {"size": list(cameras.film_of(scene)), "fps": rate_of(scene)}
     if scene.render.film_transparent:
         film["alpha"] = True
+    if scene.render.engine == "CYCLES":
+        film["max_depth"] = scene.cycles.max_bounces + 2  # vertices: the first surface and the light count as well
     shot = {"render": film, "view": cameras.view_of(scene), "camera": name, "path": recorder.path(step)}
     moved = tracks.Tracks(range(first, last + 1, step), rate_of(scene), cameras.middle_of_shutter(scene))
     targets = materials.coordinate_objects()

@@ -275,10 +275,12 @@ static void print_cameras( const Facts* facts )
 static void print_depth( const Facts* facts )
 {
     int depth = facts->render.settings.max_depth;
+    const char* whose = facts->render.depth_of_scene ? ", from the glTF" : "";
     if ( depth < RF_MAX_DEPTH && isfinite( facts->beyond_depth ) )
-        rf_print( "max depth  %d: about %.2g %% of the light is beyond and missing\n", depth, 100.0 * facts->beyond_depth );
+        rf_print( "max depth  %d%s: about %.2g %% of the light is beyond and missing\n", depth, whose,
+                  100.0 * facts->beyond_depth );
     else if ( depth < RF_MAX_DEPTH )
-        rf_print( "max depth  %d: the light beyond is missing\n", depth );
+        rf_print( "max depth  %d%s: the light beyond is missing\n", depth, whose );
 }
 
 static const char* state_of( const RfEffect* effect )
@@ -400,6 +402,7 @@ static RfResult load( const char* name, RfSceneFile* file, RfScene* scene, RfRen
         result = rf_check_file_light_groups( options, file, scene, error );
     if ( result == RF_OK )
         rf_warn_of_equal_ids( scene, RF_CRYPTOMATTE_OBJECT | RF_CRYPTOMATTE_MATERIAL | RF_CRYPTOMATTE_ASSET, &log );
+    rf_take_scene_depth( options, scene );
     return result == RF_OK ? rf_take_effect_options( options, scene, &log, error ) : result;
 }
 

@@ -19,7 +19,7 @@
 
 // What a file says about its shot: how it wants to be rendered (`extras.reframe` of the scene),
 //
-//     {"render": {"size": [1920, 1080], "fps": [30000, 1001], "alpha": true}, "moving": ["door"],
+//     {"render": {"size": [1920, 1080], "fps": [30000, 1001], "alpha": true, "max_depth": 14}, "moving": ["door"],
 //      "view": {"transform": "AgX", "exposure": 0.5}}
 //
 // and the path of a camera frame by frame (`extras.reframe` of its node), which goes before the glTF
@@ -88,7 +88,7 @@ static RfResult read_texts( const RfField* ours, const char* key, const char* it
 
 static RfResult read_shot( RfGltf* gltf, const RfField* ours )
 {
-    static const char* const s_keys[] = { "size", "fps", "alpha", NULL };
+    static const char* const s_keys[] = { "size", "fps", "alpha", "max_depth", NULL };
     RfScene* scene = gltf->scene;
     RfField render = rf_field_member( ours, "render" );
     if ( render.json != NULL )
@@ -99,6 +99,7 @@ static RfResult read_shot( RfGltf* gltf, const RfField* ours )
         read_two( &size, RF_MAX_IMAGE_SIDE, &scene->film_width, &scene->film_height );
     read_fps( &fps, &scene->fps );
     rf_get_bool( &render, "alpha", &scene->film_alpha );
+    rf_get_whole( &render, "max_depth", 1.0, RF_MAX_DEPTH, &scene->max_depth );
     rf_read_view( &view, &scene->view );
     return read_texts( ours, "moving", "name", 1000000, &scene->moving, &scene->moving_count );
 }

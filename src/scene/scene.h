@@ -321,6 +321,7 @@ struct RfScene
     RfFps fps;                   // that the file asks for; 0/0: it does not say
     int film_width, film_height; // that the file asks for, pixels; 0: it does not say
     bool film_alpha;             // it asks for RGBA
+    int max_depth;               // of paths, that it asks for; 0: it does not say
     int moving_count;            // objects that move
     char** moving;               // their names
     int variant_count;           // of materials, in the file

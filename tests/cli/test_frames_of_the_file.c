@@ -340,6 +340,7 @@ TEST_WITHIN( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group )
         { ",\"extras\":{\"reframe\":{\"render\":{\"size\":[0,4]}}}", "scenes[0].extras.reframe.render.size[0]: must be" },
         { ",\"extras\":{\"reframe\":{\"render\":{\"fps\":24.5}}}", "render.fps: must be a whole number" },
         { ",\"extras\":{\"reframe\":{\"render\":{\"spp\":1}}}", "render.spp: unknown key" },
+        { ",\"extras\":{\"reframe\":{\"render\":{\"max_depth\":0}}}", "render.max_depth: must be" },
         { ",\"extras\":{\"reframe\":{\"moving\":[1]}}", "moving[0]: must be" },
     };
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
@@ -349,6 +350,37 @@ TEST_WITHIN( test_wrong_shots_are_errors, cli_enter_group, cli_leave_group )
     }
     write_moving( "\"step\":1.5," );
     cli_expect( cli_run( "$R info room.gltf" ), 1, "nodes[1].extras.reframe.path.step: must be a whole number" );
+}
+
+// Paths are as long as the file asks for, unless a scene file or the command line says otherwise.
+TEST_WITHIN( test_depth_of_the_file, cli_enter_group, cli_leave_group )
+{
+    static const struct
+    {
+        const char *scene, *option, *depth, *line;
+    } cases[] = {
+        { "room.gltf", "", "3", "reframe render: max depth 3, from the glTF\n" },
+        { "room.gltf", "--max-depth 5", "5", NULL },
+        { "room.gltf", "--max-depth none", NULL, NULL },
+        { "cut.json", "", "2", NULL },
+        { "whole.json", "", NULL, NULL },
+    };
+    write_room( ",\"extras\":{\"reframe\":{\"render\":{\"max_depth\":3}}}" );
+    write_text( "cut.json", "{\"scene\":\"room.gltf\",\"render\":{\"max_depth\":2}}" );
+    write_text( "whole.json", "{\"scene\":\"room.gltf\",\"render\":{\"max_depth\":\"none\"}}" );
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        const CliResult* done =
+            cli_run( "$R render %s -o f.exr --frames 1 --size 8x6 --spp 1 --overwrite %s", cases[i].scene, cases[i].option );
+        assert_int_equal( done->status, 0 );
+        assert_true( ( cases[i].line != NULL ) == ( strstr( done->err, ", from the glTF" ) != NULL ) );
+        if ( cases[i].line != NULL )
+            expect_among( done, 0, cases[i].line );
+        cli_expect_exr_text( "f.exr", "reframe/max-depth", cases[i].depth );
+    }
+    assert_non_null( strstr( cli_run( "$R info room.gltf" )->out, "max depth  3, from the glTF: " ) );
+    assert_null( strstr( cli_run( "$R info cut.json" )->out, "from the glTF" ) );
+    assert_null( strstr( cli_run( "$R info whole.json" )->out, "max depth" ) );
 }
 
 // A path from frame -2 to frame 2, in files, lists, ranges and the commands that read them.

@@ -147,12 +147,22 @@ int* rf_runs_of_frames( const RfCameraPath* path, const int* frames, int frame_c
 
 #define LITTLE_LIGHT 0.0005 // of all: JSON and headers alone say it
 
-RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error )
+void rf_take_scene_depth( RfRenderOptions* options, const RfScene* scene )
 {
-    RfResult result = rf_find_light_beyond_depth( shot, settings, share, error );
+    int* depth = &options->settings.max_depth;
+    options->depth_of_scene = *depth == 0 && scene->max_depth > 0;
+    if ( *depth == 0 )
+        *depth = scene->max_depth > 0 ? scene->max_depth : RF_MAX_DEPTH;
+}
+
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderOptions* options, RfLog* log, double* share, RfError* error )
+{
+    bool scenes = options->depth_of_scene;
+    RfResult result = rf_find_light_beyond_depth( shot, &options->settings, share, error );
     if ( result == RF_OK && *share >= LITTLE_LIGHT )
-        rf_warn( log, "--max-depth %d: about %.2g %% of the light is beyond and missing: raise it, or leave it out",
-                 settings->max_depth, 100.0 * *share );
+        rf_warn( log, "%s %d: about %.2g %% of the light is beyond and missing: %s", scenes ? "max depth" : "--max-depth",
+                 options->settings.max_depth, 100.0 * *share,
+                 scenes ? "--max-depth none renders it" : "raise it, or leave it out" );
     return result;
 }
 
@@ -547,6 +557,7 @@ RfRenderOptions rf_default_render_options( void )
     RfRenderOptions options = { .settings = rf_default_render_settings(), .autosave = AUTOSAVE_SECONDS };
     options.settings.files = rf_default_frame_files();
     options.settings.queue = WRITE_QUEUE;
+    options.settings.max_depth = 0;
     options.filter = -1;
     options.blur_steps = RF_BLUR_STEPS;
     print_default_texts( &options.settings );

@@ -29,12 +29,13 @@ typedef struct RfRenderOptions
     int blur_steps;
     double fstop;
     bool fstop_given;
-    const char* focus;       // NULL: the camera's
-    RfSceneOptions movement; // what moves besides the camera
-    int effects;             // RF_EFFECTS_AUTO or RF_EFFECTS_ALL
-    const char* no_effect;   // NULL: none
-    uint64_t left_out;       // a set of RF_EFFECT_BITs: those of no_effect
-    RfRenderSettings settings;
+    const char* focus;         // NULL: the camera's
+    RfSceneOptions movement;   // what moves besides the camera
+    int effects;               // RF_EFFECTS_AUTO or RF_EFFECTS_ALL
+    const char* no_effect;     // NULL: none
+    uint64_t left_out;         // a set of RF_EFFECT_BITs: those of no_effect
+    RfRenderSettings settings; // max_depth is 0 until rf_take_scene_depth
+    bool depth_of_scene;
     bool spp_given;
     int filter, estimator;   // indices of their words; of the filter -1: not given
     const char* tile;        // NULL: that of the estimator
@@ -109,8 +110,11 @@ RfResult rf_take_effect_options( const RfRenderOptions* options, RfScene* scene,
 // The option that decides on an effect, such as "--aov albedo"; NULL where the scene or the camera does.
 const char* rf_effect_option( RfEffectId effect );
 
+// Takes the limit of paths that the scene asks for, or none, where no option gives one. Once the scene is loaded.
+void rf_take_scene_depth( RfRenderOptions* options, const RfScene* scene );
+
 // Warns where max_depth takes light, and says its share; 0 without a limit.
-RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderSettings* settings, RfLog* log, double* share, RfError* error );
+RfResult rf_warn_of_depth( const RfShot* shot, const RfRenderOptions* options, RfLog* log, double* share, RfError* error );
 
 // The runs of the path that hold any of the frames, ascending, and their number: what is to be rendered. The
 // caller frees them; NULL where memory ran out.

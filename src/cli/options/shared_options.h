@@ -101,7 +101,8 @@ extern RfDefaultTexts rf_default_texts;
 #define RF_PATH_TRACING_OPTIONS( o )                                                                                             \
     RF_INT_OPTION( "max-depth", &( o ).settings.max_depth, 1, RF_MAX_DEPTH, "D|none",                                            \
                    "maximum number of path vertices after the camera; the light beyond is missing", .in_file = true,             \
-                   .keyword = "none", .keyword_value = RF_MAX_DEPTH, .heading = RF_HEADING_QUALITY ),                            \
+                   .keyword = "none", .keyword_value = RF_MAX_DEPTH, .default_text = "the glTF's, else none",                    \
+                   .heading = RF_HEADING_QUALITY ),                                                                              \
         RF_INT_OPTION( "light-samples", &( o ).settings.light_samples, 1, RF_MAX_LIGHT_SAMPLES, "K",                             \
                        "light samples per path vertex; with tiles, at least two at first hits", .in_file = true,                 \
                        .heading = RF_HEADING_QUALITY )

@@ -339,6 +339,7 @@ static RfResult load_scene( RfRenderJob* job, RfError* error )
         print_losses( job );
     if ( result == RF_OK && job->scene.film_alpha && !job->options.alpha_given )
         job->options.settings.aovs |= RF_AOV_BIT( RF_AOV_ALPHA );
+    rf_take_scene_depth( &job->options, &job->scene );
     if ( result == RF_OK )
         result = rf_check_rendered( &job->scene, error );
     if ( result == RF_OK )
@@ -394,6 +395,8 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     job->kept_films = job->films != NULL ? job->frames[0] : -1;
     if ( result == RF_OK )
         result = find_runs( job, error ); // of what is left
+    if ( result == RF_OK && !job->options.quiet && job->options.depth_of_scene )
+        fprintf( stderr, "reframe render: max depth %d, from the glTF\n", job->options.settings.max_depth );
     if ( result == RF_OK && !job->options.quiet )
         print_settings( &job->asked, &job->options.settings, &job->fit, &job->path );
     if ( result == RF_OK )
@@ -418,7 +421,7 @@ static RfResult warn_before_render( RfRenderJob* job, RfError* error )
     warn_of_reconstruction( &job->options.settings, &job->log );
     warn_of_light_paths( &job->options.settings, job->effects + RF_EFFECT_LIGHT_PATHS, &job->log );
     RfShot shot = shot_of( job );
-    return rf_warn_of_depth( &shot, &job->options.settings, &job->log, &job->output.beyond_depth, error );
+    return rf_warn_of_depth( &shot, &job->options, &job->log, &job->output.beyond_depth, error );
 }
 
 // A black picture of a scene with lights: most likely the camera is inside something.

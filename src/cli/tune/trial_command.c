@@ -148,6 +148,7 @@ static RfResult load( RfTrialCommand* c, RfError* error )
         result = rf_check_rendered( &c->scene, error );
     if ( result == RF_OK )
         result = rf_check_file_light_groups( options, &c->file, &c->scene, error );
+    rf_take_scene_depth( options, &c->scene );
     if ( result == RF_OK )
         result = rf_take_effect_options( options, &c->scene, &log, error );
     if ( result == RF_OK )
@@ -159,7 +160,7 @@ static RfResult load( RfTrialCommand* c, RfError* error )
     if ( result == RF_OK )
         result = rf_create_tracer_by( options->settings.threads, &c->scene, &c->tracer, error );
     c->shot.tracer = c->tracer;
-    return result == RF_OK ? rf_warn_of_depth( &c->shot, &options->settings, &log, &c->beyond_depth, error ) : result;
+    return result == RF_OK ? rf_warn_of_depth( &c->shot, options, &log, &c->beyond_depth, error ) : result;
 }
 
 static void unload( RfTrialCommand* c )
