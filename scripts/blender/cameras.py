@@ -295,20 +295,11 @@ def view_of(scene):
 
 
 def warn_of_light(scene):
-    """Light that Cycles leaves out by its settings where they are lower than at first."""
+    """Light that Cycles leaves out by its switches; what its limits cut is measured (pilot.py)."""
     cycles = scene.cycles
-    lows = [("%d in all" % cycles.max_bounces, cycles.max_bounces < 12), ("%d diffuse" % cycles.diffuse_bounces, cycles.diffuse_bounces < 4),
-            ("%d glossy" % cycles.glossy_bounces, cycles.glossy_bounces < 4),
-            ("%d by transmission" % cycles.transmission_bounces, cycles.transmission_bounces < 12),
-            ("%d transparent" % cycles.transparent_max_bounces, cycles.transparent_max_bounces < 8)]
-    limits = [name for name, is_low in lows if is_low]
-    if limits:
-        warn("light ends after few bounces in Blender (%s): it goes on here (see --max-depth)" % ", ".join(limits))
     for switch, what in (("caustics_reflective", "mirrors"), ("caustics_refractive", "glass")):
         if not getattr(cycles, switch):
             warn("caustics by %s are off in Blender: on here" % what)
-    if cycles.sample_clamp_direct > 0.0 or 0.0 < cycles.sample_clamp_indirect < 10.0:
-        warn("light is clamped in Blender: all of it is here")
     if cycles.use_fast_gi:
         warn("light is approximated after some bounces in Blender (fast GI): not here")
     if scene.render.film_transparent and cycles.film_transparent_glass:

@@ -9,16 +9,19 @@ import numpy
 from .messages import warn
 
 ACROSS, SAMPLES = 64, 32
-BOUNCES = 64  # of the render without limits
+TRANSPARENT = 64  # surfaces that light passes straight on, in the render without limits
 LEAST = 0.02  # of the light, below which nothing is said
 
 
 def limits_of(cycles):
-    """Those that are lower than the number of bounces in all, the filter and the clamp, as text."""
+    """Those that are lower than the number of bounces in all, which is exported, the filter and the clamps, as text."""
     kinds = [("diffuse", cycles.diffuse_bounces), ("glossy", cycles.glossy_bounces), ("transmission", cycles.transmission_bounces)]
     found = ["%d %s" % (count, name) for name, count in kinds if count < cycles.max_bounces]
     found = ["%s bounces of %d" % (", ".join(found), cycles.max_bounces)] if found else []
-    return found + [name for name, value in (("Filter Glossy", cycles.blur_glossy), ("Clamp Indirect", cycles.sample_clamp_indirect)) if value > 0.0]
+    if cycles.transparent_max_bounces < 8:  # than at first
+        found.append("%d transparent" % cycles.transparent_max_bounces)
+    return found + [name for name, value in (("Filter Glossy", cycles.blur_glossy), ("Clamp Direct", cycles.sample_clamp_direct),
+                                             ("Clamp Indirect", cycles.sample_clamp_indirect)) if value > 0.0]
 
 
 class Settings:
@@ -62,8 +65,9 @@ def light_cut(scene, camera):
         settings.set(render.image_settings, file_format="OPEN_EXR", color_depth="32", exr_codec="NONE")
         settings.set(cycles, device="CPU", samples=SAMPLES, use_adaptive_sampling=False, use_denoising=False, seed=0, time_limit=0.0)
         few = mean_of(scene, os.path.join(folder, "few.exr"))
-        settings.set(cycles, max_bounces=BOUNCES, diffuse_bounces=BOUNCES, glossy_bounces=BOUNCES, transmission_bounces=BOUNCES,
-                     blur_glossy=0.0, sample_clamp_indirect=0.0)
+        most = cycles.max_bounces
+        settings.set(cycles, diffuse_bounces=most, glossy_bounces=most, transmission_bounces=most, transparent_max_bounces=TRANSPARENT,
+                     blur_glossy=0.0, sample_clamp_direct=0.0, sample_clamp_indirect=0.0)
         all_of_it = mean_of(scene, os.path.join(folder, "all.exr"))
     finally:
         settings.restore()

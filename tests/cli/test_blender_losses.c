@@ -170,20 +170,28 @@ BLENDER_TEST( test_lamps_of_instances_in_view )
 
 BLENDER_TEST( test_what_cycles_leaves_out_by_its_settings )
 {
-    expect_warnings( "cycles_settings",
-                     ( const char* const[MOST] ){
-                         "light ends after few bounces in Blender (8 in all, 2 glossy): it goes on here (see --max-depth)",
-                         "caustics by mirrors are off in Blender: on here",
-                         "caustics by glass are off in Blender: on here",
-                         "light is clamped in Blender: all of it is here",
-                         "light is approximated after some bounces in Blender (fast GI): not here",
-                         "the film is transparent behind glass in Blender: glass shows the world here",
-                         "the view's curves are left out",
-                         "'once': lights by few bounces in Blender: by all here",
-                         "'cube': material 'veil': has no transparent shadows in Blender: has them here",
-                         "'rock': adaptive subdivision: taken as 5 further levels",
-                     } );
+    expect_warnings( "cycles_settings", ( const char* const[MOST] ){
+                                            "caustics by mirrors are off in Blender: on here",
+                                            "caustics by glass are off in Blender: on here",
+                                            "light is approximated after some bounces in Blender (fast GI): not here",
+                                            "the film is transparent behind glass in Blender: glass shows the world here",
+                                            "the view's curves are left out",
+                                            "'once': lights by few bounces in Blender: by all here",
+                                            "'cube': material 'veil': has no transparent shadows in Blender: has them here",
+                                            "'rock': adaptive subdivision: taken as 5 further levels",
+                                        } );
     assert_non_null( strstr( cli_run( "$R info cycles_settings.glb" )->out, ", with alpha\n" ) );
+}
+
+// What limits of a kind of bounces cut is told once, with its share; that of all goes over.
+BLENDER_TEST( test_limits_of_paths )
+{
+    blender_make( "losses limits" );
+    const CliResult* done = blender_exported( "limits", "" );
+    expect_said( done->err, "light ends by limits in Blender (1 diffuse, 0 glossy bounces of 2, 4 transparent, Clamp Direct): "
+                            "all of it is here, " );
+    assert_null( strstr( strstr( done->err, "warning: " ) + 1, "warning: " ) );
+    assert_non_null( strstr( cli_run( "$R info limits.glb" )->out, "max depth  4, from the glTF: about " ) );
 }
 
 BLENDER_TEST( test_sides_that_shine_differently )

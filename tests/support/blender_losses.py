@@ -208,6 +208,15 @@ def cycles_settings():
     (smooth if hasattr(smooth, "use_adaptive_subdivision") else rock.cycles).use_adaptive_subdivision = True
 
 
+def limits():
+    """A room in which paths end early, in all and by kind."""
+    scene = plain()
+    bpy.ops.mesh.primitive_cube_add(size=20)
+    cycles = scene.cycles
+    cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces, cycles.transparent_max_bounces = 2, 1, 0, 4
+    cycles.transmission_bounces, cycles.sample_clamp_direct = 2, 0.001
+
+
 def sides():
     """Sides that shine differently, a world with a volume, and an object that is culled."""
     scene = plain()
