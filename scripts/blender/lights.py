@@ -215,14 +215,17 @@ def fit_scaled_spot(lamp):
     light.spot_blend = min(max(1.0 - math.acos(inner) / outer, 0.0), 1.0)
 
 
-def tell_lost(lamps, spheres, planes):
+def tell_lost(scene, lamps, spheres, planes):
     """Says what lamps lose by their kind."""
     soft = [o.name for o in lamps if o.data.type == "SPOT" and o.data.energy > 0.0 and o.data.name not in profiles.tables]
     if soft:
         warn("the edges of spots whose cones change have the light of Blender's on the whole, but fall off otherwise: " + list_names(soft))
     unseen = [o.name for o in lamps if o.name not in spheres and (o.name in planes or o.data.type != "AREA" and extents.has_size(o.data))]
-    if unseen:
-        warn("lamps that light as in Blender, but are not seen in mirrors, and light nothing through solid glass: " + list_names(unseen))
+    kinds = materials.specular_kinds(scene.objects) if unseen else ()
+    if kinds:
+        warn("lamps that light as in Blender, but are not seen in %s%s: %s" % (
+            " and ".join(n for n in ("mirrors", "glass") if n in kinds),
+            ", and light nothing through solid glass" if "solid glass" in kinds else "", list_names(unseen)))
 
 
 def distance_to(o, matrix, place):
@@ -307,7 +310,7 @@ def prepare(scene, in_view, placed):
             planes.add(lamp.name)
         else:
             extents.give_size(lamp)
-    tell_lost(kept, spheres, planes)
+    tell_lost(scene, kept, spheres, planes)
     tell_near(scene, kept, spheres, placed)
     return spheres, planes
 

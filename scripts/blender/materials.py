@@ -216,6 +216,7 @@ def carry_plan(plan):
 
 GREY = 0.8  # of Blender's surfaces without a material
 MIRROR = 0.0316  # smoother metal is a perfect mirror to Reframe
+SMOOTH = 0.1  # of less roughness, lobes are as narrow as those of mirrors (RF_SMOOTH_ALPHA)
 
 NO_COAT = {"extensions": {"KHR_materials_specular": {"specularFactor": 0.0}}}
 
@@ -316,6 +317,27 @@ def build(plan, name, textures=None, means=None, solid=False):
     if plan.changes is not None:
         plan.changes.made.append((material.name, means, strength))
     return material
+
+
+def is_like_mirror(material):
+    """Has a lobe so narrow that lamps which rays cannot hit are hardly found in it?"""
+    node = next((n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if has_nodes(material) else None
+    pairs = [("Roughness", None), ("Clearcoat Roughness", "Clearcoat")] if node is not None else []
+    return any(not input_of(node, r).is_linked and input_of(node, r).default_value < SMOOTH and
+               (share is None or input_of(node, share).default_value > 0.0) for r, share in pairs)
+
+
+def specular_kinds(objects):
+    """What of "mirrors", "glass" and "solid glass" there is among the materials of objects, as exported."""
+    found = set()
+    for material in {s.material for o in objects if o.type == "MESH" for s in o.material_slots if s.material is not None}:
+        extensions = patches.get(material.name, {}).get("extensions", {})
+        own = material["reframe"]["bsdf"] if is_ours(material) else None
+        if own == "glass" or "KHR_materials_transmission" in extensions:
+            found |= {"glass", "solid glass"} if own == "glass" or "KHR_materials_volume" in extensions else {"glass"}
+        elif own == "mirror" or is_like_mirror(material):
+            found.add("mirrors")
+    return found
 
 
 def patch_of(plan, value, solid):

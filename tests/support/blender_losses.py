@@ -27,9 +27,17 @@ def plain():
     return scene
 
 
+def specular(kind):
+    """A smooth cube in view of nothing."""
+    s = blender_words.Shader(kind)
+    cube(kind, (0, 9, 0)).data.materials.append(s.done(s.add(kind, Roughness=0.0)))
+
+
 def lamps():
-    """Lamps that some rays do not see, or that throw no shadow."""
+    """Lamps that some rays do not see, or that throw no shadow; mirrors and glass, which show what has no mesh."""
     scene = plain()
+    specular("BsdfGlossy")
+    specular("BsdfGlass")
     lights_without_shadow(lamp("POINT", "through walls").data)
     lamp("SUN", "for gloss").visible_diffuse = False
     lamp("SPOT", "lens").visible_camera = True
@@ -48,6 +56,7 @@ def lamps():
 def linked():
     """Lamps that light some objects only, or throw shadows of some only; a scaled spot, and soft lamps near a surface and far from all."""
     scene = plain()
+    specular("BsdfGlossy")
     scene.objects["cube"].light_linking.receiver_collection = bpy.data.collections.new("receivers")
     lamp("POINT", "for some").light_linking.receiver_collection = bpy.data.collections.new("some")
     lamp("SUN", "past some", turn=(0, 0, 1)).light_linking.blocker_collection = bpy.data.collections.new("blockers")
@@ -114,6 +123,7 @@ def switched():
 def changes():
     """Each of a lamp's settings that changes, nodes of a lamp, a world of one colour."""
     scene = plain()
+    specular("BsdfGlossy")
     beam = lamp("AREA", "wide")
     beam.data.shape = "RECTANGLE"
     key(beam.data, "size_y", 1.0, 1.0, 2.0)
@@ -132,6 +142,7 @@ def changes():
 def more_changes():
     """The rest of them, and a sun, a material without nodes, and one that a driver changes."""
     scene = plain()
+    specular("BsdfGlossy")
     key(lamp("POINT", "bright").data, "energy", 1.0, 2.0)
     key(lamp("POINT", "red").data, "color", (1, 1, 1), (1, 0, 0))
     key(lamp("AREA", "size").data, "size", 1.0, 2.0)
@@ -176,6 +187,7 @@ def darkness():
 def placed_lamps():
     """Lamps that instances bring: a point lamp and an area lamp in view, the same ones behind the camera."""
     plain()
+    specular("BsdfGlossy")
     group = bpy.data.collections.new("group")
     for kind, name in (("POINT", "torch"), ("AREA", "panel")):
         o = lamp(kind, name, (0, 0, 0.5))
@@ -186,8 +198,9 @@ def placed_lamps():
 
 
 def cycles_settings():
-    """What Cycles leaves out by its settings, for a lamp, a material, an object, or the whole scene."""
+    """What Cycles leaves out by its settings, for a lamp, a material, an object, or the whole scene; a sun that nothing mirrors."""
     scene = plain()
+    lamp("SUN", "sun")
     cycles, view = scene.cycles, scene.view_settings
     cycles.max_bounces, cycles.glossy_bounces = 8, 2
     cycles.caustics_reflective = cycles.caustics_refractive = False
