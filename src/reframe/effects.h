@@ -58,7 +58,7 @@ typedef enum RfWithout
     X( ALPHA_BLEND, "alpha-blend", OTHER_PICTURE, true, "blended surfaces are opaque" )                                          \
     X( ALPHA_MASK, "alpha-mask", OTHER_PICTURE, true, "masked surfaces are opaque" )                                             \
     X( NORMAL_MAPS, "normal-maps", OTHER_PICTURE, false, "normal textures are flat" )                                            \
-    X( SMOOTH_METALS, "smooth-metals", IMPOSSIBLE, true, "it goes with chains: leave those out" )                                \
+    X( SMOOTH_GLOSS, "smooth-gloss", IMPOSSIBLE, true, "it goes with chains: leave those out" )                                  \
     X( CAUSTICS, "caustics", OTHER_PICTURE, false,                                                                               \
        "light that mirrors, glass and smooth metals throw on other surfaces is missing, and counted as removed" )                \
     X( LIGHT_TREE, "light-tree", OTHER_NOISE, false, "lights are sampled by power" )                                             \

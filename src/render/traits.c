@@ -268,7 +268,7 @@ static void set_light_tree( const Source* from )
 
 static const RfEffect* chain_reason( const Source* from )
 {
-    static const RfEffectId reasons[] = { RF_EFFECT_MIRRORS, RF_EFFECT_TRANSMISSION, RF_EFFECT_SMOOTH_METALS };
+    static const RfEffectId reasons[] = { RF_EFFECT_MIRRORS, RF_EFFECT_TRANSMISSION, RF_EFFECT_SMOOTH_GLOSS };
     for ( size_t i = 0; i < sizeof reasons / sizeof reasons[0]; ++i )
     {
         if ( from->rows[reasons[i]].on )

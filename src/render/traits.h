@@ -12,7 +12,7 @@
     X( sky, ENVIRONMENT )      /* an environment that is not black */                                                            \
     X( chains, CHAINS )        /* camera rays may go on: mirrors, glass, smooth metals */                                        \
     X( mirrors, FLAT_MIRRORS ) /* flat mirrors */                                                                                \
-    X( smooth, SMOOTH_METALS ) /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
+    X( smooth, SMOOTH_GLOSS )  /* GGX coats or metals that may be nearly as smooth as mirrors */                                 \
     X( lens, DEPTH_OF_FIELD )  /* some camera of the path has a lens */                                                          \
     X( shutter, MOTION_BLUR )  /* some camera of the path, or what it sees, moves while its shutter is open */
 

@@ -610,7 +610,7 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_MASK, rf_is_masked, "no material is masked by its alpha" );
     effects[count++] = material_effect( &census, RF_EFFECT_NORMAL_MAPS, has_normal_map, "no material has a normal texture" );
     effects[count++] =
-        material_effect( &census, RF_EFFECT_SMOOTH_METALS, rf_may_be_smooth, "no GGX lobe is almost a perfect mirror" );
+        material_effect( &census, RF_EFFECT_SMOOTH_GLOSS, rf_may_be_smooth, "no GGX lobe is almost a perfect mirror" );
     effects[count++] = caustics_effect( &census );
     free( census.triangles );
     for ( int i = 0; i < count; ++i )

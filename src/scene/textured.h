@@ -147,7 +147,9 @@ static inline bool rf_may_throw_caustics( const RfMaterial* m )
 {
     RfBsdfCaustics caustics = rf_bsdf_model( m->kind )->caustics;
     bool metal = m->alpha <= RF_CAUSTIC_ALPHA && !( rf_max_component( m->diffuse ) > 0.0f );
-    return caustics == RF_CAUSTICS_OF_GLASS || ( caustics == RF_CAUSTICS_OF_METAL && ( metal || rf_roughness_varies( m ) ) );
+    const RfTextured* t = m->textured;
+    bool varied = rf_roughness_varies( m ) && ( t->factors.metallic > 0.0 || t->reshapes || t->glossy );
+    return caustics == RF_CAUSTICS_OF_GLASS || ( caustics == RF_CAUSTICS_OF_METAL && ( metal || varied ) );
 }
 
 // True if some lobe of a material may mirror a lamp: its alpha, or what is like it, below RF_SHARP_ALPHA.

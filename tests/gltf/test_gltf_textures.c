@@ -157,7 +157,7 @@ TEST( test_glossiness_textures )
     gltf_assert_rgb( m.specular, grey, 0.5 * grey, 0.25 * grey );
     gltf_assert_rgb( m.diffuse, grey, grey, grey );
     gltf_assert_near( m.alpha, roughness * roughness );
-    assert_true( rf_roughness_varies( scene.materials ) );
+    assert_true( rf_roughness_varies( scene.materials ) && rf_may_throw_caustics( scene.materials ) );
     assert_string_equal( gltf_warnings, "" );
     rf_destroy_scene( &scene );
 }
@@ -184,6 +184,24 @@ TEST( test_white_textures_equal_factors )
     RfMaterial m = at( &scene, 0.3f, 0.3f );
     assert_memory_equal( &m, scene.materials, sizeof m );
     rf_destroy_scene( &scene );
+}
+
+// What is no metal throws no caustics, however its roughness varies: its gloss may be smooth.
+TEST( test_metals_of_varied_roughness )
+{
+    for ( int metallic = 0; metallic < 2; ++metallic )
+    {
+        GltfBuilder b = make_square();
+        char rest[1024];
+        snprintf( rest, sizeof rest,
+                  NODES TEXTURE ",\"materials\":[{\"pbrMetallicRoughness\":{\"metallicFactor\":%d,"
+                                "\"metallicRoughnessTexture\":{\"index\":0}}}]",
+                  metallic );
+        RfScene scene = gltf_load_built( &b, rest );
+        assert_true( rf_may_be_smooth( scene.materials ) );
+        assert_int_equal( rf_may_throw_caustics( scene.materials ), metallic );
+        rf_destroy_scene( &scene );
+    }
 }
 
 TEST( test_transforms_and_second_coordinates )

@@ -326,7 +326,7 @@ TEST( test_words_are_checked )
     assert_non_null( strstr( error.text, "did you mean mirrors?" ) );
     assert_int_equal( rf_parse_effects( "panes,panes", &set, &error ), RF_ERROR_USAGE );
     assert_int_equal( rf_parse_effects( "zzzzzzzzzzzz", &set, &error ), RF_ERROR_USAGE );
-    assert_non_null( strstr( error.text, "smooth-metals" ) ); // all are named
+    assert_non_null( strstr( error.text, "smooth-gloss" ) ); // all are named
     RfScene scene = make_room( ROOM_DIFFUSE );
     uint64_t panes = RF_EFFECT_BIT( RF_EFFECT_PANES );
     assert_int_equal( rf_choose_effects( &scene, RF_EFFECT_BIT( RF_EFFECT_ENVIRONMENT ), 0, &error ), RF_ERROR_USAGE );

@@ -282,7 +282,7 @@ typedef struct Instead
 static const Instead s_instead[RF_EFFECT_COUNT] = {
     [RF_EFFECT_CAMERA_ANIMATION] = { NULL, "render a still with --frames 1" },
     [RF_EFFECT_MOVING] = { NULL, "give --freeze" },
-    [RF_EFFECT_SMOOTH_METALS] = { NULL, "give --no-effect chains" },
+    [RF_EFFECT_SMOOTH_GLOSS] = { NULL, "give --no-effect chains" },
     [RF_EFFECT_LIGHT_PATHS] = { "--light-paths", "give --light-paths off" },
     [RF_EFFECT_FRAME_GROUPS] = { "--group", "give --group 0" },
     [RF_EFFECT_TILE_CONNECTIONS] = { "--tile", "give --tile 1" },

@@ -9,7 +9,7 @@
 
 static inline bool rf_is_smooth_coat( const RfVertexLanes* v, int i )
 {
-    return rf_calls_for( v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA, RF_EFFECT_SMOOTH_METALS );
+    return rf_calls_for( v->param[RF_PARAM_SHAPE][i] < RF_SMOOTH_ALPHA, RF_EFFECT_SMOOTH_GLOSS );
 }
 
 // The probability that a camera ray at this cosine draws the base: its share of the reflected light, clamped; 0
