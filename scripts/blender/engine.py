@@ -179,6 +179,8 @@ class Run:
     def listen(self, engine, is_enough, is_checked=True):
         """Hears what the program says, until it is enough or the program ends."""
         while not is_enough():
+            if engine.test_break():
+                raise Stopped
             line = self.process.next_line(False)
             if line is None:
                 status, self.process = self.process.process.wait(), None
@@ -187,8 +189,6 @@ class Run:
                 return
             if line:
                 self.hear(engine, line)
-            elif engine.test_break():
-                raise Stopped
             else:
                 time.sleep(0.02)
 
