@@ -131,8 +131,8 @@ def is_clear(image):
 
 
 def is_dimmed(node):
-    """Does Cycles show colours times alpha? It does so where alpha is straight and no link asks for it."""
-    return node.image.alpha_mode == "STRAIGHT" and not node.outputs["Alpha"].is_linked and is_clear(node.image)
+    """Does Cycles show colours times alpha? It does so for bytes of both kinds of alpha where no link asks for it."""
+    return node.image.alpha_mode in ("STRAIGHT", "PREMUL") and not node.outputs["Alpha"].is_linked and is_clear(node.image)
 
 
 def coordinates_of(node):

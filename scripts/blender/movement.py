@@ -144,6 +144,7 @@ class Recorder:
     def finish(self):
         """Called when all frames are noted: finds out what moves, and what comes and goes."""
         bpy.app.handlers.frame_change_post.remove(self.collect)
+        self.deforming.finish()
         count = len(self.things)
         self.flags = {}
         every = numpy.zeros((len(self.present), (count + 7) // 8), numpy.uint8)

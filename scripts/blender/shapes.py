@@ -2,7 +2,7 @@
 
     recorder = Recorder()
     recorder.note(key, number, o, depsgraph)   in each frame in which the geometry of an object was updated
-    kind(key), spans(key)                      once all frames are noted: meshes for the new objects
+    finish(), spans(key)                       once all frames are noted: meshes for the new objects
     prepare()                                  just before Blender's exporter runs
     write(gltf, data, tracks, placed)          afterwards: skins and targets, and their keys for all nodes that show the meshes
 
@@ -25,8 +25,7 @@ from .moves import trees_within
 from .skins import Skin, influences_of, pose_of
 from .versions import has_nodes
 
-STILL, DEFORMS, CHANGES = "still", "deforms", "changes"
-SHAPE = "reframe shape"  # a property of meshes: the number of their shape
+SHAPE = "reframe shape"  # a property of meshes that deform: the number of their shape
 MATRIX = "reframe matrix"  # another one: what was applied to the shape afterwards
 PARTS = ("POSITION", "NORMAL")
 LAYER = "reframe corners"  # their numbers, in two columns of whole numbers from FIRST on
@@ -238,11 +237,10 @@ class Recorder:
         self.full.add(key)
         lose("'%s': keeps its shape from frame %d on: %s" % (o.name, number, why))
 
-    def kind(self, key):
-        shapes = self.shapes.get(key, [])
-        if len(shapes) > 1:
-            return CHANGES
-        return DEFORMS if shapes and len(shapes[0].records) > 1 else STILL
+    def finish(self):
+        for shape in self.numbered:
+            if shape.mesh is not None and len(shape.records) < 2:
+                del shape.mesh[SHAPE]
 
     def spans(self, key):
         """Pairs: the number of the frame from which on a mesh is shown, and the mesh; None: nothing is."""

@@ -83,15 +83,17 @@ def images():
 
 
 def veiled():
-    """An image whose alpha no node asks for: Cycles shows its colours times alpha."""
+    """Images whose alpha no node asks for: Cycles shows their colours times alpha."""
     plain_room()
-    s = Shader("veiled")
-    node = s.add("TexImage")
-    node.interpolation = "Closest"
-    node.image = bpy.data.images.new("veil", 8, 8, alpha=True)
-    node.image.pixels.foreach_set(numpy.tile(numpy.array([0.8, 0.7, 0.4, 0.5], numpy.float32), 64))
-    node.image.pack()
-    put("cube", s.done(s.add("BsdfDiffuse", Color=node)), size=1.6, location=(0.0, 0.7, -1.1))
+    for i, mode in enumerate(("STRAIGHT", "PREMUL")):
+        s = Shader(mode)
+        node = s.add("TexImage")
+        node.interpolation = "Closest"
+        node.image = bpy.data.images.new("veil", 8, 8, alpha=True)
+        node.image.pixels.foreach_set(numpy.tile(numpy.array([0.8, 0.7, 0.4, 0.5], numpy.float32), 64))
+        node.image.pack()
+        node.image.alpha_mode = mode
+        put("cube", s.done(s.add("BsdfDiffuse", Color=node)), size=1.2, location=(1.6 * i - 0.8, 0.7, -1.3))
 
 
 def halves(s, space):

@@ -107,7 +107,7 @@ def leaves():
 
 
 def displaced():
-    """A ball that is pushed out and in, one that is turned and scaled, and one by vectors, of a colour that varies."""
+    """A ball with a modifier that is pushed out and in, one that is turned and scaled, and one by vectors, of a colour that varies."""
     plain_room(strength=3.0, size=2.0)
 
     def put_displaced(name, where, make, **turned):
@@ -118,8 +118,10 @@ def displaced():
         o = ball(s.done(s.add("BsdfDiffuse", Color=noise.outputs["Color"]), Displacement=make(s, noise.outputs["Fac"])), where)
         for key, value in turned.items():
             setattr(o, key, value)
+        return o
 
-    put_displaced("pushed", (-0.8, 0.5, -1.0), lambda s, h: s.add("Displacement", Height=h, Midlevel=0.5, Scale=2.0))
+    pushed = put_displaced("pushed", (-0.8, 0.5, -1.0), lambda s, h: s.add("Displacement", Height=h, Midlevel=0.5, Scale=2.0))
+    pushed.modifiers.new("fine", "SUBSURF")
     put_displaced("turned", (0.4, 0.9, -1.2), lambda s, h: s.add("Displacement", Height=h, Midlevel=0.3, Scale=1.0),
                   rotation_euler=(0.3, 0.5, 0.7), scale=(0.5, 0.8, 1.2))
     put_displaced("lifted", (1.3, 0.3, -1.5), lambda s, h: s.add("VectorDisplacement", Vector=s.add("CombineXYZ", Z=h), Scale=1.5))
