@@ -8,7 +8,7 @@ import bpy
 import mathutils
 import numpy
 
-from . import shapes
+from . import coincident, shapes
 from .messages import list_names, list_some, note, warn
 from .movement import maker_of, shown_by
 from .moves import GEOMETRY, animated_paths
@@ -327,6 +327,7 @@ def tell_what_differs(scene, found):
     tell_shapes(found.of_types(*GEOMETRY))
     if scene.render.engine == "CYCLES":
         tell_coarse([o for o, _ in found.of_types(*GEOMETRY)])
+        coincident.warn_of({o.name_full for o, _ in found.of_types(*GEOMETRY)})
     tell(found.catchers.values(), "a shadow catcher in Blender: an ordinary surface here")
     for kind, what in UNREAD.items():
         tell(found.kinds.get(kind, {}).values(), "%s: left out" % what)

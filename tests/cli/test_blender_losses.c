@@ -205,6 +205,7 @@ BLENDER_TEST( test_sides_that_shine_differently )
                          "front here",
                          "loss: world 'fog' has a volume, which takes light on its way: left out",
                          "'cube': left out where they are far from the camera in Blender (culling): always there here",
+                         "'both', 'twin': faces in one place, which shade each other in Blender: as one here",
                      } );
 }
 

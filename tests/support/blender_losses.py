@@ -12,8 +12,9 @@ def lamp(kind, name, place=(0, 0, 3), turn=(0, 0, 0)):
     return blender_words.lamp(kind, name, place, [math.radians(a) for a in turn], energy=20.0, shadow_soft_size=0.25)
 
 
-def cube(name, place=(0, 0, 0)):
-    bpy.ops.mesh.primitive_cube_add(size=1, location=place)
+def cube(name, place=None):
+    """Where no place is given, above the others: faces in one place are told."""
+    bpy.ops.mesh.primitive_cube_add(size=1, location=place or (0, 0, 2 * len(bpy.data.meshes)))
     bpy.context.object.name = name
     return bpy.context.object
 
@@ -30,7 +31,7 @@ def plain():
 def specular(kind):
     """A smooth cube in view of nothing."""
     s = blender_words.Shader(kind)
-    cube(kind, (0, 9, 0)).data.materials.append(s.done(s.add(kind, Roughness=0.0)))
+    cube(kind, (0, 9, 2 * len(bpy.data.meshes))).data.materials.append(s.done(s.add(kind, Roughness=0.0)))
 
 
 def lamps():
@@ -73,7 +74,7 @@ def linked():
 def instances():
     """What is in a collection that only instances show is reported as well; what is hidden is not."""
     scene = plain()
-    group = moved_to(bpy.data.collections.new("group"), *(cube(name) for name in ("ghost", "hole", "fur", "dust")))
+    group = moved_to(bpy.data.collections.new("group"), *(cube(name, (0, 0, 0)) for name in ("ghost", "hole", "fur", "dust")))
     bpy.data.objects["ghost"].visible_glossy = False
     bpy.data.objects["ghost"].data.polygons.foreach_set("use_smooth", [True] * 6)
     bpy.data.objects["hole"].is_holdout = True  # which does not count: instances are held out by what makes them
@@ -242,6 +243,7 @@ def sides():
         s = blender_words.Shader(name)
         a, b = (s.add("Emission", Strength=strength) if strength > 0.0 else s.add("BsdfDiffuse") for strength in strengths)
         cube(name).data.materials.append(s.done(s.mix(s.add("NewGeometry").outputs["Backfacing"], a, b)))
+    cube("twin", scene.objects["both"].location)
     scene.render.use_simplify = scene.cycles.use_distance_cull = True
     scene.objects["cube"].cycles.use_distance_cull = True
 
