@@ -10,13 +10,17 @@ LEAST = 1e-4  # of the area of all triangles: smaller ones are not looked at
 NEAR = 1e-6  # of the size of the scene: rounding errors of places
 
 
-def triangles_of(instance):
-    """The corners of an object's triangles, in the world."""
-    mesh = instance.object.data
+def triangles_of(o):
+    """The corners of an evaluated object's large triangles in the world, their normals times twice their area, and twice the area of all."""
+    mesh = o.data
     mesh.calc_loop_triangles()
     corners = shapes.array_of(mesh.loop_triangles, "vertices", 3, numpy.int32)
-    matrix = numpy.array(instance.matrix_world, numpy.float32)
-    return (shapes.positions_of(mesh) @ matrix[:3, :3].T + matrix[:3, 3])[corners].reshape(-1, 3, 3)
+    matrix = numpy.array(o.matrix_world, numpy.float32)
+    every = (shapes.positions_of(mesh) @ matrix[:3, :3].T + matrix[:3, 3])[corners].reshape(-1, 3, 3)
+    cross = numpy.cross(every[:, 1] - every[:, 0], every[:, 2] - every[:, 0])
+    area = numpy.linalg.norm(cross, axis=1)
+    large = area > max(LEAST * area.sum(), 1e-12)
+    return every[large], cross[large], float(area.sum())
 
 
 def places_on(triangle):
@@ -37,19 +41,17 @@ def partners(tree, i, triangle, normal, near):
 
 def warn_of(objects):
     """`objects`: the names of those that are rendered."""
-    parts, names = [], []
+    parts, names = [(numpy.empty((0, 3, 3)), numpy.empty((0, 3)), 0.0)], []
     for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-        if not instance.is_instance and instance.show_self and instance.object.type == "MESH" and instance.object.original.name_full in objects:
-            parts.append(triangles_of(instance))
-            names += [instance.object.name] * len(parts[-1])
-    every = numpy.concatenate(parts) if parts else numpy.empty((0, 3, 3))
-    cross = numpy.cross(every[:, 1] - every[:, 0], every[:, 2] - every[:, 0])
+        o = instance.object
+        if not instance.is_instance and instance.show_self and o.type == "MESH" and o.original.name_full in objects:
+            parts.append(triangles_of(o))
+            names += [o.name] * len(parts[-1][0])
+    corners, cross = (numpy.concatenate([part[i] for part in parts]).astype(float) for i in (0, 1))
     area = numpy.linalg.norm(cross, axis=1)
-    large = numpy.flatnonzero(area > max(LEAST * area.sum(), 1e-12))
-    if not len(large):
-        return
-    corners, normals = every[large].astype(float), cross[large] / area[large, None]
-    near = NEAR * float(numpy.abs(corners).max())
+    large = numpy.flatnonzero(area > LEAST * sum(part[2] for part in parts))
+    corners, normals = corners[large], cross[large] / area[large, None]
+    near = NEAR * float(numpy.abs(corners).max(initial=0.0))
     tree = BVHTree.FromPolygons(corners.reshape(-1, 3).tolist(), numpy.arange(3 * len(large)).reshape(-1, 3).tolist(), all_triangles=True)
     found = {names[large[k]] for i in range(len(large)) for k in partners(tree, i, corners[i], normals[i], near)}
     if found:
