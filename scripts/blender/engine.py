@@ -17,12 +17,12 @@ import numpy
 from bpy.app.handlers import persistent
 
 from . import engine_panels, exr
+from .passes import PASS_NAMES
 from .programs import ENGINE, Failed, Heard, Process, check_options, export_words, program_of, save_copy
 
 FINISHED = re.compile(r"frame \d+/\d+  number (-?\d+) ")
-PASSES = {  # that `reframe render --names blender` writes, by what Blender 5 calls them
-    "Object Index": "IndexOB", "Material Index": "IndexMA", "Emission": "Emit"}
-KNOWN = re.compile(r"(Combined.*|Depth|Normal|Vector|Emit|IndexOB|IndexMA|Crypto(Object|Material|Asset)\d\d|Denoising (Normal|Albedo))")
+KNOWN = re.compile(r"(Combined.*|Depth|Normal|Vector|Emit|Emission|IndexOB|IndexMA|(Object|Material) Index|"
+                   r"Crypto(Object|Material|Asset)\d\d|Denoising (Normal|Albedo))")
 
 _run = None  # of the animation that Blender renders
 
@@ -33,7 +33,7 @@ class Stopped(Exception):
 
 def pass_name(name):
     """As our files have it."""
-    return PASSES.get(name, name).replace(",", ";").replace(".", "_")
+    return name.replace(",", ";").replace(".", "_")
 
 
 def passes_of(scene, layer):
@@ -142,7 +142,7 @@ class Run:
     def start(self, engine, program):
         alone = len(self.frames) == 1 and self.folder == self.temporary
         settings = [*(["--group", "0"] if alone else self.settings.group_options()), *self.threads, *self.settings.render_options(),
-                    "--names", "blender", "--float", "--compression", "zip", "--resume", "--overwrite"]
+                    "--names", PASS_NAMES, "--float", "--compression", "zip", "--resume", "--overwrite"]
         check_options(program, settings, self.temporary)
         os.makedirs(self.folder, exist_ok=True)
         options = ["--engine", ",".join(map(str, self.exported)), "--frames", self.range, "--overwrite", *self.settings.export_options()]
@@ -292,7 +292,7 @@ class ReframeRender(bpy.types.RenderEngine):
             for i, letter in enumerate(one.channel_id):
                 if letter in planes:
                     values[:, :, i] = planes[letter][::-1][y:y + height, x:x + width]
-            if one.name.startswith("Combined") or pass_name(one.name) == "Emit":
+            if one.name.startswith("Combined") or one.name in ("Emit", "Emission"):
                 values[:, :, :3] *= exposure
             fill(one.rect, values)
         for field, value in manifest.items():

@@ -13,6 +13,7 @@ AOVS = {"use_pass_z": "depth", "use_pass_normal": "normal", "use_pass_vector": "
         "use_pass_object_index": "object_index", "use_pass_material_index": "material_index"}
 MATTES = {"use_pass_cryptomatte_object": "object", "use_pass_cryptomatte_material": "material", "use_pass_cryptomatte_asset": "asset"}
 LEVELS = 6  # of Cryptomatte
+PASS_NAMES = "blender5" if bpy.app.version >= (5, 0, 0) else "blender"  # of `reframe render --names`: as this Blender calls passes
 CODECS = ("NONE", "ZIPS", "PIZ", "DWAA", "DWAB")  # beside ZIP, which is ours as well
 NO_PASSES = ("use_pass_combined", "use_pass_cryptomatte_accurate")
 
@@ -113,7 +114,7 @@ def tell(scene):
             warn("files of '%s': colours that %s compresses have 16 bits" % (scene.name, settings.exr_codec))
         options += ["--compression " + settings.exr_codec.lower()] if settings.exr_codec in CODECS else []
     if options:
-        note("passes of '%s': %s --names blender" % (layer.name, " ".join(options)))
+        note("passes of '%s': %s --names %s" % (layer.name, " ".join(options), PASS_NAMES))
     lost = words_of(layer, "use_pass_", {*AOVS, *MATTES, *NO_PASSES}) + words_of(layer.cycles, ("use_pass_", "pass_"), ())
     lost += ["'%s'" % aov.name for aov in layer.aovs]
     if lost:

@@ -644,7 +644,8 @@ RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfE
     exr.attributes = standard;
     exr.attribute_count = list_standard_attributes( output, frame->frame, standard );
     rf_eye_matrices_around( &eye, output->path->origin, exr.world_to_camera, exr.world_to_ndc );
-    if ( output->settings.files.names == RF_NAMES_BLENDER ) // a layer of no name would be none
+    if ( output->settings.files.names == RF_NAMES_BLENDER ||
+         output->settings.files.names == RF_NAMES_BLENDER_5 ) // a layer of no name would be none
         exr.layer = exr.part = RF_BLENDER_LAYER ".Combined";
     exr.channels = passes.channels;
     exr.channel_count = passes.count;

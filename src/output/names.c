@@ -35,7 +35,11 @@ const char* const rf_reconstruction_words[] = {
 };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 const char* const rf_pass_names_words[] = {
-    [RF_NAMES_REFRAME] = "reframe", [RF_NAMES_BLENDER] = "blender", [RF_NAMES_NUKE] = "nuke", NULL
+    [RF_NAMES_REFRAME] = "reframe",
+    [RF_NAMES_BLENDER] = "blender",
+    [RF_NAMES_BLENDER_5] = "blender5",
+    [RF_NAMES_NUKE] = "nuke",
+    NULL,
 };
 const char* const rf_parts_words[] = { [RF_PARTS_ONE] = "one", [RF_PARTS_EACH] = "each", NULL };
 
@@ -63,15 +67,16 @@ const char* rf_adaptive_name( RfAdaptive adaptive ) { return rf_adaptive_words[a
 typedef struct Row
 {
     const char* pass;
-    const char* blender; // after "ViewLayer."
-    int component[4];    // of the pass, of each of Blender's channels, from 1 on; below 0: negated. 0: in order
-    const char* nuke[4]; // full names
+    const char* blender;   // after "ViewLayer."
+    const char* blender_5; // from Blender 5.0 on; NULL: the same
+    int component[4];      // of the pass, of each of Blender's channels, from 1 on; below 0: negated. 0: in order
+    const char* nuke[4];   // full names
 } Row;
 
 static const Row s_rows[] = {
     { .pass = RF_PASS_PICTURE, .blender = "Combined", .nuke = { "R", "G", "B" } },
     { .pass = "alpha", .blender = "Combined", .nuke = { "A" } },
-    { .pass = "albedo", .blender = "DiffCol" },
+    { .pass = "albedo", .blender = "DiffCol", .blender_5 = "Diffuse Color" },
     { .pass = "denoise_albedo", .blender = "Denoising Albedo" },
     { .pass = "denoise_normal", .blender = "Denoising Normal", .component = { 1, -3, 2 } },
     { .pass = "normal", .blender = "Normal", .component = { 1, -3, 2 } },
@@ -80,14 +85,16 @@ static const Row s_rows[] = {
       .blender = "Vector",
       .component = { 1, 2, -3, -4 },
       .nuke = { "backward.u", "backward.v", "forward.u", "forward.v" } },
-    { .pass = "emission", .blender = "Emit" },
-    { .pass = "object_index", .blender = "IndexOB" },
-    { .pass = "material_index", .blender = "IndexMA" },
+    { .pass = "emission", .blender = "Emit", .blender_5 = "Emission" },
+    { .pass = "object_index", .blender = "IndexOB", .blender_5 = "Object Index" },
+    { .pass = "material_index", .blender = "IndexMA", .blender_5 = "Material Index" },
 };
 
 #define ROWS ( sizeof s_rows / sizeof s_rows[0] )
 #define LIGHT "light_"
 #define BLENDER_LIGHT "Combined_"
+
+static bool is_blender( RfPassNames names ) { return names == RF_NAMES_BLENDER || names == RF_NAMES_BLENDER_5; }
 
 static bool begins( const char* text, const char* with ) { return strncmp( text, with, strlen( with ) ) == 0; }
 
@@ -102,11 +109,13 @@ static const Row* find_row( const char* pass )
 }
 
 // Blender takes what is behind the last dot but one for the pass: there are none in its name.
-static void put_blender_layer( const char* pass, char name[RF_PASS_CHANNEL_SIZE] )
+static void put_blender_layer( RfPassNames names, const char* pass, char name[RF_PASS_CHANNEL_SIZE] )
 {
     const Row* row = find_row( pass );
     bool light = row == NULL && begins( pass, LIGHT );
-    const char* own = row != NULL ? row->blender : light ? pass + strlen( LIGHT ) : pass;
+    const char* own = row == NULL                                             ? ( light ? pass + strlen( LIGHT ) : pass )
+                      : names == RF_NAMES_BLENDER_5 && row->blender_5 != NULL ? row->blender_5
+                                                                              : row->blender;
     size_t begin = strlen( RF_BLENDER_LAYER "." );
     snprintf( name, RF_PASS_CHANNEL_SIZE, RF_BLENDER_LAYER ".%s%.200s", light ? BLENDER_LIGHT : "", own );
     for ( char* c = name + begin; *c != '\0'; ++c )
@@ -115,18 +124,18 @@ static void put_blender_layer( const char* pass, char name[RF_PASS_CHANNEL_SIZE]
 
 void rf_name_pass_layer( RfPassNames names, const char* pass, char name[RF_PASS_CHANNEL_SIZE] )
 {
-    if ( names == RF_NAMES_BLENDER )
-        put_blender_layer( pass, name );
+    if ( is_blender( names ) )
+        put_blender_layer( names, pass, name );
     else
         snprintf( name, RF_PASS_CHANNEL_SIZE, "%.200s", pass );
 }
 
-static void name_blender_channel( const char* pass, const char* letters, int i, RfPassChannel* channel )
+static void name_blender_channel( RfPassNames names, const char* pass, const char* letters, int i, RfPassChannel* channel )
 {
     const Row* row = find_row( pass );
     char layer[RF_PASS_CHANNEL_SIZE];
     int component = row != NULL ? row->component[i] : 0;
-    put_blender_layer( pass, layer );
+    put_blender_layer( names, pass, layer );
     snprintf( channel->name, sizeof channel->name, "%.240s.%c", layer, letters[i] );
     channel->component = component == 0 ? i : ( component < 0 ? -component : component ) - 1;
     channel->negated = component < 0;
@@ -134,9 +143,9 @@ static void name_blender_channel( const char* pass, const char* letters, int i, 
 
 void rf_name_pass_channel( RfPassNames names, const char* pass, const char* letters, int i, RfPassChannel* channel )
 {
-    if ( names == RF_NAMES_BLENDER )
+    if ( is_blender( names ) )
     {
-        name_blender_channel( pass, letters, i, channel );
+        name_blender_channel( names, pass, letters, i, channel );
         return;
     }
     const Row* row = find_row( pass );
@@ -156,12 +165,12 @@ static bool ends( const char* name, const char* tail )
     return length >= end && strcmp( name + length - end, tail ) == 0 && ( length == end || name[length - end - 1] == '.' );
 }
 
-static bool is_blender_channel( const char* channel, const char* pass, char letter, bool* negated )
+static bool is_blender_channel( RfPassNames names, const char* channel, const char* pass, char letter, bool* negated )
 {
     static const char letters[] = "XYZW";
     const Row* row = find_row( pass );
     char layer[RF_PASS_CHANNEL_SIZE], tail[RF_PASS_CHANNEL_SIZE + 2];
-    put_blender_layer( pass, layer );
+    put_blender_layer( names, pass, layer );
     for ( int i = 0; row != NULL && row->component[0] != 0 && i < 4; ++i )
     {
         int component = row->component[i];
@@ -191,7 +200,8 @@ bool rf_is_pass_channel( const char* channel, const char* pass, char letter, boo
         if ( row->nuke[i] != NULL && letters[i] == letter && ends( channel, row->nuke[i] ) )
             return true;
     }
-    if ( is_blender_channel( channel, pass, letter, negated ) )
+    if ( is_blender_channel( RF_NAMES_BLENDER, channel, pass, letter, negated ) ||
+         is_blender_channel( RF_NAMES_BLENDER_5, channel, pass, letter, negated ) )
         return true;
     *negated = false;
     return strcmp( pass, "depth" ) == 0 && ends( channel, "Depth.V" );

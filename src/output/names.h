@@ -20,7 +20,7 @@ bool rf_is_other_estimator( const RfEstimator* estimator );
 // What the channels of a pass are called in a file: Reframe's own names, those of Blender's multilayer files, and those that
 // Nuke reads as its layers; and which pass a channel of any of these has.
 //
-// Blender's passes are as Cycles of Blender 3.4 and 4.3 writes them: motion to the next frame has the opposite sign (now minus
+// Blender's passes are as Cycles of Blender 3.4 and 4.3, or of 5.0 and 5.2, writes them: motion to the next frame has the opposite sign (now minus
 // next), normals are along the axes of its world, in which Z is up: (x, −z, y). Nuke's motion leads to the pixel's place in
 // the other frame, as ours (Foundry, Ocula User Guide, "VectorGenerator").
 

@@ -128,9 +128,10 @@ void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] );
 // What the channels of a file are called, and the conventions that go with it (src/output/names.h).
 typedef enum RfPassNames
 {
-    RF_NAMES_REFRAME, // R, depth.Z, motion.X
-    RF_NAMES_BLENDER, // ViewLayer.Combined.R, ViewLayer.Depth.Z, ViewLayer.Vector.X
-    RF_NAMES_NUKE,    // R, depth.Z, backward.u
+    RF_NAMES_REFRAME,   // R, depth.Z, motion.X
+    RF_NAMES_BLENDER,   // ViewLayer.Combined.R, ViewLayer.Depth.Z, ViewLayer.Vector.X
+    RF_NAMES_BLENDER_5, // the same, with the names that passes have from Blender 5.0 on: ViewLayer.Object Index.X
+    RF_NAMES_NUKE,      // R, depth.Z, backward.u
 } RfPassNames;
 
 typedef enum RfFileParts

@@ -11,7 +11,7 @@
 // The same channels in three files, by their names there, with the opposite sign where that is Blender's.
 static void compare_pass( const char* pass, const char* letters )
 {
-    static const char* const files[] = { "reframe.0011.exr", "blender.0011.exr", "nuke.0011.exr" };
+    static const char* const files[] = { "reframe.0011.exr", "blender.0011.exr", "blender5.0011.exr", "nuke.0011.exr" };
     for ( int i = 0; letters[i] != '\0'; ++i )
     {
         RfPassChannel own;
@@ -38,8 +38,8 @@ static void compare_pass( const char* pass, const char* letters )
 
 TEST( test_names )
 {
-    static const char* const words[] = { "reframe", "blender", "nuke" };
-    for ( int n = 0; n < 3; ++n )
+    static const char* const words[] = { "reframe", "blender", "blender5", "nuke" };
+    for ( int n = 0; n < 4; ++n )
         cli_expect( cli_run( "$R render $VASE -o %s.####.exr --names %s " FRAMES, words[n], words[n] ), 0, NULL );
     compare_pass( RF_PASS_PICTURE, "RGB" );
     compare_pass( "alpha", "A" );

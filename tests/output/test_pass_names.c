@@ -95,6 +95,12 @@ TEST( test_blender_names_are_blenders )
         if ( !has( RF_NAMES_BLENDER, s_blender[i] ) )
             fail_msg( "no pass is called %s", s_blender[i] );
     }
+    // from Blender 5.0 on four have others
+    static const char* const five[] = { "ViewLayer.Diffuse Color.R",  "ViewLayer.Emission.B", "ViewLayer.Object Index.X",
+                                        "ViewLayer.Material Index.X", "ViewLayer.Combined.A", "ViewLayer.Vector.W" };
+    for ( size_t i = 0; i < sizeof five / sizeof five[0]; ++i )
+        assert_true( has( RF_NAMES_BLENDER_5, five[i] ) );
+    assert_false( has( RF_NAMES_BLENDER_5, "ViewLayer.Emit.R" ) );
     // and none has a dot more, by which Blender would split it
     RfPassChannel made;
     rf_name_pass_channel( RF_NAMES_BLENDER, "light_key.left", "RGB", 1, &made );
@@ -136,6 +142,7 @@ TEST( test_conventions )
     const char* const z_up[] = { "ViewLayer.Normal.X=X", "ViewLayer.Normal.Y=-Z", "ViewLayer.Normal.Z=Y" };
     assert_values( RF_NAMES_REFRAME, "motion", "XYZW", own );
     assert_values( RF_NAMES_BLENDER, "motion", "XYZW", blender );
+    assert_values( RF_NAMES_BLENDER_5, "motion", "XYZW", blender );
     assert_values( RF_NAMES_NUKE, "motion", "XYZW", nuke );
     assert_values( RF_NAMES_BLENDER, "normal", "XYZ", z_up );
 }

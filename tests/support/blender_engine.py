@@ -85,7 +85,8 @@ def check_animation(scene):
         ours, header = rendered("reframe/Scene.%04d.exr" % number)
         whole, blenders = rendered("out/shot.%04d.exr" % number)
         assert ours["Combined", "R"].shape == (40, 64) and 0.01 < ours["Combined", "R"].mean() < 1.0
-        assert {"Depth", "Normal", "Vector", "Emit", "IndexOB", "CryptoObject00", "Denoising Albedo"} <= {name for name, _ in ours}
+        light, index = ("Emission", "Object Index") if bpy.app.version >= (5, 0, 0) else ("Emit", "IndexOB")
+        assert {"Depth", "Normal", "Vector", light, index, "CryptoObject00", "Denoising Albedo"} <= {name for name, _ in ours}
         for key, values in ours.items():
             assert key in whole and (values == whole[key]).all(), "frame %d: the pass %s is not Blender's" % (number, key)
         names = [key for key in header if key.startswith("cryptomatte/") and key.endswith("/manifest")]
