@@ -305,8 +305,10 @@ def make_materials(job, name, result, solid, made, build, mesh):
         made[plan] = made.get(plan, 0) + 1
         plain = plan.free_name()
         means = means_of(plan, result) if result is not None else None
-        if "base" in plan.baked and float(result["base"].max()) > 1.0 + STEP:
-            plan.tell(None, "reflects up to %.2g times the light that arrives in Blender: 1 at most here" % result["base"].max())
+        factor, summand = plan.lifted
+        most = float(((result["base"] - numpy.float32(summand)) / factor).max()) if "base" in plan.baked and result is not None else 0.0
+        if most > 1.0 + STEP:
+            plan.tell(None, "reflects up to %.2g times the light that arrives in Blender: 1 at most here" % most)
         materials[slot] = build(plan, plain if made[plan] == 1 else "%s %s" % (plain, name), textures, means, solid[slot])
     return materials
 

@@ -1,6 +1,6 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
 from . import cloth, grain
-from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, f0_of, is_constant
+from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, colour_source, f0_of, is_constant, number_source
 from .gloss import (Layers, Shell, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
                     schlick, tell_multiple, views)
 from .mixtures import as_curtain, as_glass, as_one
@@ -156,6 +156,8 @@ class Folder(Values):
                        normal=self.normal_of(node), principled=True)
         grain.put_on(self, out, node, get("Anisotropic"), True)
         put_coat_normal(self, out, node, "Clearcoat Normal")
+        if out.clearcoat != 0.0 and out.metallic != 0.0 and is_constant(base) and min(base) < DARK:
+            self.warn(node, "a clear coat over metal: colours below 0.1 up to 11 % darker")  # measured under a sun and a white sky
         self.put_sheen(out, node, get("Sheen"), get("Sheen Tint"), get("Base Color"))
         return out
 
@@ -339,9 +341,11 @@ def mixed_sheen(a, b, share):
 
 # Principled of Blender 4 as a surface of glTF that reflects as much (gloss.py).
 
+DARK = 0.1  # of a colour
 REPORTED = 0.015  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
+STOPS = 0.0, 1.0, 0.25, 0.5, 0.7, 0.85  # for which a colour is fitted where roughness is baked
 PRINCIPLED_LEFT_OUT = (("Subsurface", SUBSURFACE), ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
 WHITER = 1.01  # than white: from here on metal becomes a coat
 
@@ -403,6 +407,7 @@ class Principled:
         self.diffuse_roughness = known(folder.read(rough), 0.0) if rough is not None else 0.0
         self.sheen = self.sheen_of(get("Sheen"), get("Sheen Roughness"))
         self.is_multiple = node.distribution == "MULTI_GGX"
+        self.bases = {}  # fitted, by roughness
 
     def sheen_of(self, weight, roughness):
         """What it reflects on average, in each colour; and the layer and the diffuse rest that are glTF's."""
@@ -470,23 +475,43 @@ class Principled:
             out.clearcoat = shell.clearcoat
         ratios = [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(out.base), wanted)]
         tell_difference(self.folder, self.node, farthest(ratios), "its colour")
+        if out.metallic > 0.0 and not is_constant(self.roughness) and number_source(self.folder, self.roughness) is None:
+            self.fit_rough(out, f0)
         return f0
 
+    def fit_rough(self, out, f0):
+        """Metal of a roughness that is baked: its colour, too, by roughness."""
+        ramp = self.folder.nodes.new("ShaderNodeValToRGB")
+        self.folder.put(self.roughness, ramp.inputs[0])
+        for i, r in enumerate(STOPS):
+            layers = self.layers(roughness=r)
+            shell = Shell(layers, f0, out.specular)
+            self.bases[r] = [min(max(shell.base_for(w, k), 0.0), 1.0) for k, w in enumerate(self.wanted(layers, self.base))]
+            stop = ramp.color_ramp.elements[i] if i < 2 else ramp.color_ramp.elements.new(r)
+            stop.position, stop.color = r, (*self.bases[r], 1.0)
+        out.base = self.folder.ref(ramp.outputs["Color"])
+
     def fit_image(self, out, layers, f0):
-        """Images are scaled only: the coat makes up for what they cannot."""
+        """Images that are carried are scaled only: the coat makes up for what they cannot."""
         shell = Shell(layers, f0, out.specular)
         low, high = (0.2, 0.8) if layers.metallic == 1.0 else (0.0, 1.0)
         dark, bright = (self.wanted(layers, (b,) * 3) for b in (low, high))
         slopes = [(b - a) / (high - low) for a, b in zip(dark, bright)]
-        out.scale, out.added = min(sum(slopes) / 3.0 / shell.below, 1.0), True
+        is_baked = not is_constant(self.base) and is_constant(self.metallic) and colour_source(self.folder, self.base) is None
+        out.scale, out.added = sum(slopes) / 3.0 / shell.below, True
         if is_constant(self.coat):
             out.clearcoat = shell.clearcoat
-        if layers.metallic < 1.0 and out.specular > 0.0:
+        lack = [d - s * low - c for d, s, c in zip(dark, slopes, shell.coats)]
+        if is_baked:
+            out.lift = tuple(x / shell.below for x in lack)
+        else:
+            out.scale = min(out.scale, 1.0)
+        if not is_baked and layers.metallic < 1.0 and out.specular > 0.0:
             each = (1.0 - layers.metallic) * shell.gloss
-            f0 = [min(max(f + (d - s * low - c) / each, 0.0), 1.0) for f, d, s, c in zip(f0, dark, slopes, shell.coats)]
+            f0 = [min(max(f + x / each, 0.0), 1.0) for f, x in zip(f0, lack)]
             shell = Shell(layers, f0, out.specular)
         wanted = self.wanted(layers, (0.6,) * 3)
-        here = [c + shell.below * out.scale * 0.6 for c in shell.coats]
+        here = [c + shell.below * (out.scale * 0.6 + x) for c, x in zip(shell.coats, out.lift)]
         tell_difference(self.folder, self.node, farthest([h / w for h, w in zip(here, wanted)]), "an image as the colour of rough metal"
                         if layers.metallic > 0.5 else "an image as its colour")
         return f0
@@ -495,7 +520,8 @@ class Principled:
         """What a roughness or metal that varies makes of it."""
         several = []
         if not is_constant(self.roughness):
-            several.append(("roughness varies, and is taken as %g for its brightness" % BETWEEN, [self.layers(roughness=r) for r in FEW]))
+            several.append(("its colour" if self.bases else "roughness varies, and is taken as %g for its brightness" % BETWEEN,
+                            [self.layers(roughness=r) for r in FEW]))
         if not is_constant(self.metallic):
             several.append(("metallic varies, and surfaces are fitted without it", [self.layers(metallic=1.0)]))
         base = known(self.base, (0.6,) * 3)
@@ -507,7 +533,8 @@ class Principled:
                     shell = Shell(self.layers(layers.roughness, 0.0), f0, out.specular)
                 else:
                     shell = Shell(layers, f0, out.specular)
-                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(here), self.wanted(layers, base))]
+                shown = self.bases.get(layers.roughness, here)
+                ratios += [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(shown), self.wanted(layers, base))]
             tell_spread(self.folder, self.node, ratios, why)
 
     def dull(self):

@@ -6,7 +6,7 @@ import numpy
 
 from . import extents, films, passes, profiles
 from .glb_data import Data, FLOAT, read, write
-from .gloss import CLEARCOAT
+from .gloss import strength_of_coat
 from .materials import patches
 from .messages import blenders_error, fail, folder_beside, losses, remove_folders, warnings
 from .versions import offered
@@ -82,7 +82,7 @@ def add_extensions(gltf, data):
             used.update(patch["extensions"])
         coat = material.get("extensions", {}).get("KHR_materials_clearcoat")
         if coat is not None:
-            coat["clearcoatFactor"] = CLEARCOAT * coat.get("clearcoatFactor", 0.0)
+            coat["clearcoatFactor"] = strength_of_coat(coat.get("clearcoatRoughnessFactor", 0.0)) * coat.get("clearcoatFactor", 0.0)
         if patch.get("base") is not None:
             factor, summand = patch["base"]
             part = material.setdefault("pbrMetallicRoughness", {})

@@ -4,7 +4,7 @@ import bpy
 from . import displacement, grain, packed, shader_tree
 from .channels import ADDED, BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_read, number_source
 from .folding import Folder, settle_flat
-from .gloss import tell_held
+from .gloss import base_of_principled, tell_held
 from .messages import lose, warn
 from .shader_tree import view_nodes
 from .versions import has_nodes, has_transparent_shadow, is_principled_2
@@ -23,6 +23,7 @@ class Plan:
         self.carried, self.baked, self.averaged = set(), set(), set()
         self.plain = self.displaces = False
         self.absorption = None  # colour and density of what is inside
+        self.lifted = 1.0, BLACK  # the factor and the summand of a base that is baked
         self.lines = []  # that were told
         self.is_quiet = False
         self.changes = None  # keyed.Changes
@@ -199,11 +200,23 @@ def sort_channels(plan):
     if isinstance(s.base, Ref) and s.through_colour == s.base:
         varying.discard("through_colour")  # the same texture
     plan.baked = varying - plan.carried
+    if "base" in plan.baked and isinstance(s.base, Ref):
+        lift(plan)
     if "alpha" in plan.baked:
         plan.baked.add("base")  # they share a texture
     for name in ("specular", "f0", "transmission", "ior", "clearcoat", "clearcoat_roughness"):
         if isinstance(getattr(s, name), Ref):
             plan.averaged.add(name)
+
+
+def lift(plan):
+    """A base that is baked gets the brightness that it has in Blender, of which images that are carried get the factor alone."""
+    s, folder = plan.surface, plan.folder
+    factor, summand = plan.lifted = base_of_principled(s) or (s.scale / s.covered, s.lift)
+    if plan.lifted != (1.0, BLACK):
+        s.base = folder.plus(folder.times(s.base, (factor,) * 3, True), summand, True)
+        s.added |= s.principled
+        s.principled, s.scale, s.lift, s.covered = False, 1.0, BLACK, 1.0
 
 
 def channels_tell(plan, bakes):
