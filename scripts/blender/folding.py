@@ -7,8 +7,8 @@ from .mixtures import as_curtain, as_glass, as_one
 from .shader_tree import Values
 from .versions import IS_4, is_principled_2, socket
 
-SUBSURFACE = ("subsurface scattering: taken as diffuse: 2 % darker where its radius is a 50th of the body's, 4 % where it is a fifth, "
-              "15 % where it is as large, up to a quarter beyond")
+SUBSURFACE = ("subsurface scattering: taken as diffuse: at most 8 % brighter or darker where it is light, 28 % where it is dark, 45 % where "
+              "its colour varies or its radius is ten times the body's")
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "SUBSURFACE_SCATTERING": SUBSURFACE,
     "BSDF_TOON": "toon shading: taken as diffuse",
@@ -25,8 +25,25 @@ ROUGH_GLASS = {
 }
 
 
+def not_absorbed(colour, x):
+    """The share of what a surface would absorb that leaves a body by its other sides, by the radius over the body's: fitted to white, grey
+    and dark balls under a sun."""
+    return 0.6 * colour**1.6 * x * x / (x * x + 0.7) if IS_4 else 0.42 * x / (x + 0.75)
+
+
 class Folder(Values):
-    """Surfaces of the shaders of a tree."""
+    """Surfaces of the shaders of a tree. `size`: the radius of the body that has them; 0: not known."""
+
+    size = 0.0
+
+    def scattered(self, colour, node, scale):
+        """A diffuse colour that is about as bright as subsurface scattering; one that varies stays as it is."""
+        self.warn(node, SUBSURFACE)
+        radii = self.read(node.inputs["Subsurface Radius" if node.type == "BSDF_PRINCIPLED" else "Radius"])
+        if self.size <= 0.0 or not all(is_constant(v) for v in (colour, radii, scale)):
+            return colour
+        inside = [min(max(c, 0.0), 1.0) for c in colour]
+        return tuple(c + (1.0 - c) * not_absorbed(c, max(scale * r, 0.0) / self.size) for c, r in zip(inside, radii))
 
     def fold(self, socket):
         if not socket.is_linked or not socket.links[0].is_valid:
@@ -45,6 +62,9 @@ class Folder(Values):
         if node.type not in LEFT_OUT:
             self.warn(node, "its shader is unknown here: taken as black")
             return Surface(base=BLACK, specular=0.0)
+        if node.type == "SUBSURFACE_SCATTERING":
+            colour = self.scattered(self.read(node.inputs["Color"]), node, self.read(node.inputs["Scale"]))
+            return Surface(base=colour, specular=0.0, normal=self.normal_of(node))
         self.warn(node, LEFT_OUT[node.type])
         colour = next((i for i in node.inputs if i.name in ("Color", "Diffuse Color", "Base Color")), None)
         return Surface(base=self.read(colour) if colour is not None and node.type != "HOLDOUT" else BLACK, specular=0.0,
@@ -140,12 +160,12 @@ class Folder(Values):
         if is_principled_2(node):
             return principled(self, node)
         get = lambda name: self.read(node.inputs[name])  # noqa: E731
-        if get("Subsurface") != 0.0:
-            self.warn(node, SUBSURFACE)
         tell_multiple(self, node, get("Metallic"))
         if get("Transmission") != 0.0 and (not is_constant(get("Roughness")) or get("Roughness") > 0.25):
             self.warn(node, "rough glass: up to 7 % brighter or darker than in Blender, with a roughness above 0.7 up to a third brighter")
         base = self.blend(get("Base Color"), get("Subsurface Color"), get("Subsurface"), True)
+        if get("Subsurface") != 0.0 and get("Metallic") != 1.0:
+            base = self.scattered(base, node, get("Subsurface"))
         specular, ior = get("Specular"), get("IOR")
         alpha = get("Alpha")
         light = self.times(get("Emission"), self.times(get("Emission Strength"), alpha), True)
@@ -346,7 +366,7 @@ REPORTED = 0.015  # differences are named from here on
 BETWEEN = 0.5  # what is taken for a roughness that varies
 FEW = 0.25, 0.85  # roughnesses for which that is checked
 STOPS = 0.0, 1.0, 0.25, 0.5, 0.7, 0.85  # for which a colour is fitted where roughness is baked
-PRINCIPLED_LEFT_OUT = (("Subsurface", SUBSURFACE), ("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"))
+PRINCIPLED_LEFT_OUT = (("Diffuse Roughness", "its diffuse roughness (Oren-Nayar): taken as Lambert"),)
 WHITER = 1.01  # than white: from here on metal becomes a coat
 
 
@@ -381,7 +401,7 @@ def tint_of(folder, node, name):
 
 def tell_lost(folder, node):
     for name, what in PRINCIPLED_LEFT_OUT:
-        if (name in node.inputs or name == "Subsurface") and folder.read(socket(node, name)) != 0.0:
+        if name in node.inputs and folder.read(socket(node, name)) != 0.0:
             folder.warn(node, what)
     film = node.inputs.get("Thin Film Thickness")
     thickness = folder.read(film) if film is not None else 0.0
@@ -396,6 +416,9 @@ class Principled:
         get = lambda name: folder.read(socket(node, name))  # noqa: E731
         self.folder, self.node = folder, node
         self.base, self.metallic, self.roughness = get("Base Color"), get("Metallic"), get("Roughness")
+        if get("Subsurface") != 0.0 and self.metallic != 1.0:
+            body = folder.scattered(self.base, node, get("Subsurface Scale"))
+            self.base = folder.blend(self.base, body, get("Subsurface"), True)
         self.ior, self.level, self.transmission = get("IOR"), get("Specular"), get("Transmission")
         self.coat, self.coat_roughness = get("Clearcoat"), get("Clearcoat Roughness")
         self.coat_ior = get("Coat IOR")

@@ -59,6 +59,14 @@ class Plan:
                 how(line)
 
 
+def size_of(users):
+    """The mean radius of bodies, those of balls that have as much volume for their surface as the boxes around them."""
+    sizes = []
+    for a, b, c in {o.name: tuple(o.dimensions) for o, _ in users}.values():
+        sizes.append(1.5 * a * b * c / max(a * b + b * c + c * a, 1e-12))
+    return sum(sizes) / max(len(sizes), 1)
+
+
 def copy_of(material):
     copy = material.copy()
     if copy.node_tree is not None:
@@ -101,7 +109,7 @@ def make_plan(material, users, still=None):
     grouped = any(n.type in ("GROUP", "REROUTE") or n.mute for n in tree.nodes)
     shader_tree.flatten(tree)
     plan.folder = folder = Folder(tree, plan.tell)
-    folder.lose = plan.lose
+    folder.lose, folder.size = plan.lose, size_of(users)
     out = tree.get_output_node("CYCLES")
     if out is None:
         plan.tell(None, "no output: taken as black")
