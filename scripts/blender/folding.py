@@ -9,6 +9,8 @@ from .versions import IS_4, is_principled_2, socket
 
 SUBSURFACE = ("subsurface scattering: taken as diffuse: at most 8 % brighter or darker where it is light, 28 % where it is dark, 45 % where "
               "its colour varies or its radius is ten times the body's")
+THIN_WALL = ("a thin wall: taken as a thin pane: 16 % brighter or darker at most where it is clear, 29 % where it is rough or partly opaque, "
+             "58 % where light scatters below it")
 LEFT_OUT = {  # shaders without equivalent, and what is kept of them
     "SUBSURFACE_SCATTERING": SUBSURFACE,
     "BSDF_TOON": "toon shading: taken as diffuse",
@@ -430,6 +432,10 @@ class Principled:
         self.diffuse_roughness = known(folder.read(rough), 0.0) if rough is not None else 0.0
         self.sheen = self.sheen_of(get("Sheen"), get("Sheen Roughness"))
         self.is_multiple = node.distribution == "MULTI_GGX"
+        wall = node.inputs.get("Thin Wall")  # from Blender 5.2 on
+        self.is_thin = wall is not None and folder.read(wall) == 1.0
+        if self.is_thin and (self.transmission != 0.0 or get("Subsurface") != 0.0):
+            folder.warn(node, THIN_WALL)
         self.bases = {}  # fitted, by roughness
 
     def sheen_of(self, weight, roughness):
@@ -574,7 +580,9 @@ class Principled:
             self.folder.warn(self.node, "the specular tint of glass: left out")
         self.folder.tell_distribution(self.node)
         base = self.base
-        if is_constant(base):
+        if self.is_thin:
+            pass  # its colour is that of one surface
+        elif is_constant(base):
             base = tuple(min(max(c, 0.0), 1.0) ** 0.5 for c in base)  # Cycles takes the root at each surface
         else:
             root = self.folder.nodes.new("ShaderNodeGamma")
@@ -630,6 +638,7 @@ def principled(folder, node):
             folder.warn(node, "anisotropic metal of multiple scattering: up to 4 % darker")
     elif folder.read(node.inputs["Anisotropic"]) != 0.0:
         folder.warn(node, "anisotropy of glass: taken as equally rough in all directions")
+    out.thin = values.is_thin
     put_coat_normal(folder, out, node, "Coat Normal")
     put_film(folder, out, node, values.metallic)
     out.alpha = folder.read(node.inputs["Alpha"])
