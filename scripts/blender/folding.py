@@ -1,5 +1,5 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
-from . import cloth, grain
+from . import cloth, grain, packed
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, colour_source, f0_of, is_constant, number_source
 from .gloss import (Layers, Shell, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
                     schlick, tell_multiple, views)
@@ -504,9 +504,12 @@ class Principled:
             out.clearcoat = shell.clearcoat
         ratios = [(h + 1e-3) / (w + 1e-3) for h, w in zip(shell.reflects(out.base), wanted)]
         tell_difference(self.folder, self.node, farthest(ratios), "its colour")
-        if out.metallic > 0.0 and not is_constant(self.roughness) and number_source(self.folder, self.roughness) is None:
+        if out.metallic > 0.0 and not is_constant(self.roughness) and self.is_baked(self.roughness):
             self.fit_rough(out, f0)
         return f0
+
+    def is_baked(self, number):
+        return number_source(self.folder, number) is None and packed.linear(self.folder.socket(number)) is None
 
     def fit_rough(self, out, f0):
         """Metal of a roughness that is baked: its colour, too, by roughness."""

@@ -213,7 +213,7 @@ BLENDER_TEST( test_surfaces_of_blender_4 )
         "material 'bottle', node 'Principled BSDF': glass in part: the rest has no gloss of its own",
         "material 'cloth', node 'Principled BSDF': sheen: as bright as in Blender in even light",
         "material 'satin', node 'Sheen BSDF': sheen: as bright as in Blender in even light",
-        "material 'scratched', node 'Principled BSDF': roughness varies, and is taken as 0.5 for its brightness",
+        "material 'scratched', node 'Principled BSDF': its colour: what it reflects differs from Blender's by up to",
     };
     if ( !blender_is_4() )
     {
