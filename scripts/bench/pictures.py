@@ -73,11 +73,15 @@ def load(pattern, result, wanted="RGB"):
     return np.stack([read(runs.frame_of(pattern, f["frame"]), wanted) for f in result["frames"]])
 
 
+def srgb(picture):
+    """Values from 0 to 1 on a display."""
+    light = np.clip(picture, 0.0, 1.0)
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
+
+
 def write_png(path, picture, stops=0.0):
     """A picture in sRGB."""
-    light = np.clip(picture * 2.0 ** stops, 0.0, 1.0)
-    coded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    rows = np.rint(255.0 * coded).astype(np.uint8).reshape(len(picture), -1)
+    rows = np.rint(255.0 * srgb(picture * 2.0 ** stops)).astype(np.uint8).reshape(len(picture), -1)
     lines = b"".join(b"\0" + row.tobytes() for row in rows)
     head = struct.pack(">2I5B", picture.shape[1], picture.shape[0], 8, 2, 0, 0, 0)
     with open(path, "wb") as file:

@@ -32,7 +32,8 @@ class ReframeSettings(bpy.types.PropertyGroup, ExportSettings):
     is_group_auto: BoolProperty(name="Automatic Group", default=True, description="Choose the group by a short trial render")
     group: IntProperty(name="Group", min=0, max=16, default=2,
                        description="Share paths between 2N+1 neighbouring frames of an animation. 0: none. A frame alone (F12) shares none")
-    tile: EnumProperty(name="Tile", default="3x3", description="Pixels of a frame that share paths", items=TILES)
+    tile: EnumProperty(name="Tile", default="3x3", description="Pixels of a frame that share paths. Not used with Denoise", items=TILES)
+    denoise: BoolProperty(name="Denoise", default=False, description="Denoise each frame by Open Image Denoise, and tell the error that is left")
     folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//reframe",
                            description="Where the exported scene and the frames of an animation stay, so that a render which was stopped "
                            "goes on. //: beside the .blend")
@@ -42,7 +43,7 @@ class ReframeSettings(bpy.types.PropertyGroup, ExportSettings):
         return ["--group", "auto" if self.is_group_auto else str(self.group)]
 
     def render_options(self):
-        options = ["--tile", self.tile]
+        options = ["--denoise"] if self.denoise else ["--tile", self.tile]
         if self.samples > 0:
             options += ["--spp", str(self.samples)]
         if self.noise > 0.0:
@@ -71,6 +72,7 @@ class REFRAME_PT_sampling(EnginePanel, bpy.types.Panel):
     def draw_settings(self, layout, settings, render):
         layout.prop(settings, "samples")
         layout.prop(settings, "noise")
+        layout.prop(settings, "denoise")
         layout.prop(settings, "clamp")
         if settings.clamp == "value":
             layout.prop(settings, "clamp_value")

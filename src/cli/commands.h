@@ -14,6 +14,7 @@ int rf_command_compare( int argc, char** argv );
 int rf_command_flicker( int argc, char** argv );
 int rf_command_report( int argc, char** argv );
 int rf_command_reconstruct( int argc, char** argv );
+int rf_command_denoise( int argc, char** argv );
 int rf_command_png( int argc, char** argv );
 int rf_command_convert( int argc, char** argv );
 int rf_command_completion( int argc, char** argv );

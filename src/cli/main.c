@@ -21,6 +21,7 @@ static const RfCommand s_commands[] = {
     { "flicker", rf_command_flicker, "measure how much the error changes from frame to frame" },
     { "report", rf_command_report, "show rendered sequences in one HTML page" },
     { "reconstruct", rf_command_reconstruct, "reconstruct images from noisy images and gradients" },
+    { "denoise", rf_command_denoise, "denoise rendered sequences, and tell the error that is left" },
     { "png", rf_command_png, "convert EXR files to PNG" },
     { "convert", rf_command_convert, "convert OBJ, PLY, FBX or Collada to .glb" },
     { "completion", rf_command_completion, "print shell completion for bash or zsh" },

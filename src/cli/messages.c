@@ -182,6 +182,28 @@ void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] )
         snprintf( text, RF_NOISE_TEXT_SIZE, percent < 99.5 ? "%.2g %%" : "%.0f %%", percent );
 }
 
+json_t* rf_denoised_json( double noisy, const RfErrorEstimate* denoised )
+{
+    json_t* json = json_pack( "{s:b}", "is_vague", denoised->is_vague );
+    return RF_SET_FIGURES( json, { "noisy_relmse", noisy }, { "relmse", denoised->relmse }, { "low", denoised->low },
+                           { "high", denoised->high } );
+}
+
+void rf_format_denoised( double noisy, const RfErrorEstimate* e, char text[RF_DENOISED_TEXT_SIZE] )
+{
+    char before[RF_NOISE_TEXT_SIZE], after[RF_NOISE_TEXT_SIZE], low[RF_NOISE_TEXT_SIZE], high[RF_NOISE_TEXT_SIZE];
+    rf_format_noise( fmax( noisy, 0.0 ), before );
+    rf_format_noise( fmax( e->relmse, 0.0 ), after );
+    rf_format_noise( e->low, low );
+    rf_format_noise( e->high, high );
+    if ( e->low <= 0.0 )
+        snprintf( text, RF_DENOISED_TEXT_SIZE, "noise %s, denoised below %s%s (bias included)", before, high,
+                  e->is_vague ? " or so" : "" );
+    else
+        snprintf( text, RF_DENOISED_TEXT_SIZE, "noise %s, denoised %s (95 %%: %s to %s%s; bias included)", before, after, low,
+                  high, e->is_vague ? " or more" : "" );
+}
+
 bool rf_prints_text( const char* json ) { return json == NULL || strcmp( json, "-" ) != 0; }
 
 RfResult rf_write_json( const char* path, json_t* json, RfError* error )

@@ -3,6 +3,7 @@
 #define REFRAME_CLI_MESSAGES_H
 
 #include "base/json.h"
+#include "reframe/denoise.h"
 #include "reframe/error.h"
 
 #include <jansson.h>
@@ -67,6 +68,12 @@ double rf_relmse_of_noise( double percent );
 // The same as text: "15 %", "1.2 %", "0.034 %"; "unknown" where it is not finite.
 #define RF_NOISE_TEXT_SIZE 32
 void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] );
+
+// The errors of frames before and after denoising, as a part of JSON and as text: "noise 1.9 %, denoised 0.7 % (95 %: 0.6 % to 0.9 %;
+// bias included)". `noisy`: relMSE.
+json_t* rf_denoised_json( double noisy, const RfErrorEstimate* denoised );
+#define RF_DENOISED_TEXT_SIZE 192
+void rf_format_denoised( double noisy, const RfErrorEstimate* denoised, char text[RF_DENOISED_TEXT_SIZE] );
 
 // Is the result printed as text? Yes, unless the file of --json (NULL: none) is standard output.
 bool rf_prints_text( const char* json );

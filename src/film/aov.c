@@ -231,6 +231,7 @@ static void value_at_hit( const RfAovJob* job, RfAov aov, RfFirstHits first, int
         case RF_AOV_REMOVED:
         RF_PASS_AOV_CASES:
         case RF_AOV_VARIANCE:
+        case RF_AOV_HALF:
         case RF_AOV_SAMPLES:
         case RF_AOV_PRIMAL:
         case RF_AOV_DX:
@@ -428,6 +429,7 @@ void rf_finish_aov( const RfAovFilm* film, RfAov aov, const RfFilm* colour, RfNo
     switch ( aov )
     {
         case RF_AOV_VARIANCE: rf_estimate_variance( colour, normalize, image ); break;
+        case RF_AOV_HALF: rf_combine_half( colour, normalize, image ); break;
         case RF_AOV_REMOVED: rf_combine_part( colour, colour + 1, normalize, image ); break;
         case RF_AOV_PRIMAL: rf_combine_film( colour, RF_NORMALIZE_RATIO, image, NULL ); break;
         case RF_AOV_DX:

@@ -234,6 +234,25 @@ void rf_estimate_variance( const RfFilm* film, RfNormalize normalize, float* var
     }
 }
 
+void rf_combine_half( const RfFilm* film, RfNormalize normalize, float* half )
+{
+    size_t width = (size_t)film->width;
+    bool alone = rf_film_half_share( film ) == 0.0;
+#pragma omp parallel for schedule( static )
+    for ( int y = 0; y < film->height; ++y )
+    {
+        rf_set_float_mode();
+        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+        {
+            RfFilmPixel p = rf_film_pixel( film, i );
+            for ( int c = 0; c < 3; ++c )
+                half[4 * i + (size_t)c] =
+                    (float)( alone ? rf_film_value( &p, normalize, c ) : rf_film_half_value( &p, normalize, 0, c ) );
+            half[4 * i + 3] = alone ? 1.0f : (float)( p.weight[0] / ( p.weight[0] + p.weight[1] ) );
+        }
+    }
+}
+
 static void mean_of_halves( const RfFilm* film, int first, int last, size_t i, double mean[3] )
 {
     double sum[4] = { 0.0 }, of_half[4];

@@ -70,6 +70,9 @@ void rf_combine_film( const RfFilm* film, RfNormalize normalize, float* rgb, flo
 // The same for pixels [first, first + count) only.
 void rf_combine_film_pixels( const RfFilm* film, RfNormalize normalize, size_t first, size_t count, float* rgb, float* weight );
 
+// The image of the first half, 3 of 4 floats per pixel, and its share of the weights; the picture and 1 where there is no other.
+void rf_combine_half( const RfFilm* film, RfNormalize normalize, float* half );
+
 // The image of `part`, a film with the sums of some of the light of `film`, whose weights are those of `film`: the images of parts
 // add up to that of the film if their sums do (src/reuse/estimators.md, E20). With the light that a clamp has taken out, image and
 // part together are the image without a clamp (E15).

@@ -61,12 +61,30 @@ typedef struct Sum
     Term worst[RF_LISTED_SPECKS]; // descending
 } Sum;
 
-static Pixel load_pixel( const RfFilm* film, RfNormalize normalize, const float* rgb, size_t i )
+// A picture and its halves: those of a film, or without one pictures too.
+typedef struct Halves
 {
-    RfFilmPixel p = rf_film_pixel( film, i );
-    Pixel pixel = { .value = rf_mean_of_channels( rgb + 3 * i ) };
+    int width, height;
+    const float* rgb;
+    const RfFilm* film;
+    RfNormalize normalize;
+    const float* half[2];
+} Halves;
+
+static Pixel load_pixel( const Halves* from, size_t i )
+{
+    RfFilmPixel p = { 0 };
+    Pixel pixel = { .value = rf_mean_of_channels( from->rgb + 3 * i ) };
+    if ( from->film == NULL )
+    {
+        for ( int h = 0; h < 2; ++h )
+            pixel.half[h] = rf_mean_of_channels( from->half[h] + 3 * i );
+        return pixel;
+    }
+    p = rf_film_pixel( from->film, i );
     for ( int c = 0; c < 3; ++c )
     {
+        RfNormalize normalize = from->normalize;
         double a = rf_film_half_value( &p, normalize, 0, c ), b = rf_film_half_value( &p, normalize, 1, c );
         pixel.half[0] += a / 3.0;
         pixel.half[1] += b / 3.0;
@@ -83,14 +101,14 @@ typedef struct Values
     RfBlockValues dark[2], bright; // brightness of the halves and of the picture
 } Values;
 
-static void load_block( const RfFilm* film, RfNormalize normalize, const float* rgb, const RfBlock* block, Values* values )
+static void load_block( const Halves* from, const RfBlock* block, Values* values )
 {
     int columns = block->right - block->left, rows = block->bottom - block->top;
     for ( int j = 0; j < rows + 2 * REACH; ++j )
     {
         for ( int i = 0; i < columns + 2 * REACH; ++i )
         {
-            Pixel p = load_pixel( film, normalize, rgb, rf_block_pixel( film->width, film->height, block, i, j ) );
+            Pixel p = load_pixel( from, rf_block_pixel( from->width, from->height, block, i, j ) );
             values->half[0][j * ROOM + i] = p.half[0];
             values->half[1][j * ROOM + i] = p.half[1];
             values->value[j * ROOM + i] = p.value;
@@ -99,8 +117,8 @@ static void load_block( const RfFilm* film, RfNormalize normalize, const float* 
         }
     }
     for ( int h = 0; h < 2; ++h )
-        rf_block_brightness( film->width, film->height, block, values->half[h], values->dark[h] );
-    rf_block_brightness( film->width, film->height, block, values->value, values->bright );
+        rf_block_brightness( from->width, from->height, block, values->half[h], values->dark[h] );
+    rf_block_brightness( from->width, from->height, block, values->value, values->bright );
 }
 
 static void keep_worst( double worst[WORST], double value )
@@ -198,10 +216,17 @@ static void add_sum( Sum* sum, const Sum* part )
         note_worst( sum, part->worst[i] );
 }
 
-static void add_block( Sum* sum, const RfFilm* film, RfNormalize normalize, const float* rgb, const RfBlock* block )
+// The brightness of a pixel of a block; `rare`: rare_light.
+static double brightness_at( const Values* v, int at, double rare )
+{
+    int centre = at + REACH * ( ROOM + 1 );
+    return rare + likely_brightness( v, at, v->half[0][centre] < v->half[1][centre] ? 0 : 1 );
+}
+
+static void add_block( Sum* sum, const Halves* from, const RfBlock* block )
 {
     Values v;
-    load_block( film, normalize, rgb, block, &v );
+    load_block( from, block, &v );
     double all, rare = rare_light( &v, block->right - block->left, block->bottom - block->top, &all );
     sum->rare += all;
     for ( int y = block->top; y < block->bottom; ++y )
@@ -209,13 +234,13 @@ static void add_block( Sum* sum, const RfFilm* film, RfNormalize normalize, cons
         for ( int x = block->left; x < block->right; ++x )
         {
             int j = y - block->top, i = x - block->left, at = j * ROOM + i, centre = at + REACH * ( ROOM + 1 );
-            double likely = rare + likely_brightness( &v, at, v.half[0][centre] < v.half[1][centre] ? 0 : 1 );
+            double likely = brightness_at( &v, at, rare );
             sum->bright += likely;
             double most = fmax( likely, fabs( v.value[centre] ) ), error = v.error[j * RF_BRIGHTNESS_SIDE + i];
             add( sum, ( Term ){ .likely = error / rf_relmse_denominator( likely ),
                                 .least = error / rf_relmse_denominator( most ),
                                 .error = error,
-                                .pixel = y * film->width + x } );
+                                .pixel = y * from->width + x } );
         }
     }
 }
@@ -279,17 +304,39 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const fl
     if ( share == 0.0 )
         return rf_plain_relmse( (double)NAN );
     Sum sum = { 0 };
+    const Halves halves = { film->width, film->height, rgb, film, normalize, { NULL, NULL } };
 #pragma omp parallel for schedule( dynamic, 1 ) ordered
     for ( int i = 0; i < rf_block_count( film->width, film->height ); ++i )
     {
         Sum part = { 0 };
         RfBlock block = rf_block( film->width, film->height, i );
         rf_set_float_mode();
-        add_block( &part, film, normalize, rgb, &block );
+        add_block( &part, &halves, &block );
 #pragma omp ordered
         add_sum( &sum, &part );
     }
     return conclude( &sum, share, share / ( (double)film->width * (double)film->height ) );
+}
+
+void rf_likely_denominators( int width, int height, const float* rgb, const float* half_a, const float* half_b, double* below )
+{
+    const Halves halves = { .width = width, .height = height, .rgb = rgb, .half = { half_a, half_b } };
+#pragma omp parallel for schedule( dynamic, 1 )
+    for ( int i = 0; i < rf_block_count( width, height ); ++i )
+    {
+        Values v;
+        RfBlock block = rf_block( width, height, i );
+        int columns = block.right - block.left, rows = block.bottom - block.top;
+        rf_set_float_mode();
+        load_block( &halves, &block, &v );
+        double all, rare = rare_light( &v, columns, rows, &all );
+        for ( int k = 0; k < columns * rows; ++k )
+        {
+            int x = k % columns, y = k / columns;
+            below[(size_t)( block.top + y ) * (size_t)width + (size_t)( block.left + x )] =
+                rf_relmse_denominator( brightness_at( &v, y * ROOM + x, rare ) );
+        }
+    }
 }
 
 // Errors of a frame, from a film or kept.

@@ -34,6 +34,7 @@ typedef struct RfExrName
     char* text;      // full name; in a multi-part file prefixed with the part, "beauty.depth.Z", unless that is its layer
     const char* own; // name within its part: "depth.Z"
     int part;
+    bool half, whole;   // 16 bits; whole numbers
     RfExrWindow window; // data window of the part
 } RfExrName;
 
@@ -57,6 +58,24 @@ typedef struct RfExrHeader
 RfResult rf_read_exr_header( const char* path, const char* layer, RfExrHeader* header, RfError* error );
 
 void rf_destroy_exr_header( RfExrHeader* header );
+
+// A file that is to be written again with other colours: all that rf_write_exr needs for it.
+typedef struct RfExrCopy
+{
+    RfExrOptions
+        options; // with the file's windows, parts, channels but R, G and B, and attributes; channels, attributes and strings of
+                 // other names may be appended or replaced
+    RfExrChannel channels[RF_EXR_MAX_CHANNELS]; // of the options
+    RfExrHeader header;
+    float* values;              // of all channels, header.channel_count per pixel, as they are in the file
+    char layer[256], part[256]; // of R, G and B
+    char ( *parts )[256];       // of the channels
+} RfExrCopy;
+
+// Reads all of a file. Fails with RF_ERROR_UNSUPPORTED for what cannot be written again as it is: channels of whole numbers, parts of
+// different windows, or another colour space than those of RfColourSpace. Free it in any case.
+RfResult rf_read_exr_copy( const char* path, RfExrCopy* copy, RfError* error );
+void rf_free_exr_copy( RfExrCopy* copy );
 
 // Finds the channel whose full name or, failing that, whose own name equals the first
 // `length` characters of `name`; the part with the colour comes first. NULL: none.

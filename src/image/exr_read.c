@@ -460,8 +460,9 @@ static void read_fps( const RfExrPart* part, RfExrHeader* header )
     }
 }
 
-static bool copy_name( const RfExrPart* part, const char* own, RfExrName* name )
+static bool copy_name( const RfExrPart* part, const exr_attr_chlist_entry_t* channel, RfExrName* name )
 {
+    const char* own = channel->name.str;
     const char* before = NULL;
     if ( part->count < 2 || exr_get_name( part->context, part->index, &before ) != EXR_ERR_SUCCESS )
         before = NULL;
@@ -469,7 +470,11 @@ static bool copy_name( const RfExrPart* part, const char* own, RfExrName* name )
     if ( before != NULL && strncmp( own, before, length ) == 0 && own[length] == '.' )
         before = NULL; // the layer is the part: it is there already
     size_t begin = before != NULL ? strlen( before ) + 1 : 0, size = begin + strlen( own ) + 1;
-    *name = ( RfExrName ){ .text = malloc( size ), .part = part->index, .window = window_of( part ) };
+    *name = ( RfExrName ){ .text = malloc( size ),
+                           .part = part->index,
+                           .half = channel->pixel_type == EXR_PIXEL_HALF,
+                           .whole = channel->pixel_type == EXR_PIXEL_UINT,
+                           .window = window_of( part ) };
     if ( name->text == NULL )
         return false;
     snprintf( name->text, size, "%s%s%s", before != NULL ? before : "", before != NULL ? "." : "", own );
@@ -486,7 +491,7 @@ static bool copy_names( const RfExrPart* part, RfExrHeader* header )
     header->channels = moved;
     for ( int i = 0; i < count; ++i )
     {
-        if ( !copy_name( part, part->channels->entries[i].name.str, moved + header->channel_count ) )
+        if ( !copy_name( part, part->channels->entries + i, moved + header->channel_count ) )
             return false;
         ++header->channel_count;
     }

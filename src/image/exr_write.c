@@ -436,6 +436,34 @@ static exr_result_t set_attributes( Writer* writer )
     return code;
 }
 
+// Copies what is not set yet from the part of the same name, or else the first, of the file options->like.
+static exr_result_t copy_attributes( Writer* writer )
+{
+    exr_context_t from = NULL;
+    RfExrStream stream;
+    if ( writer->options->like == NULL )
+        return EXR_ERR_SUCCESS;
+    if ( rf_open_exr_file( writer->options->like, &stream, NULL ) != RF_OK )
+        return EXR_ERR_FILE_ACCESS;
+    exr_result_t code = rf_start_exr( &stream, &from );
+    int count = 0, index = 0;
+    if ( code == EXR_ERR_SUCCESS )
+        code = exr_get_count( from, &count );
+    for ( int p = 0; p < count; ++p )
+    {
+        const char* name = NULL;
+        if ( exr_get_name( from, p, &name ) == EXR_ERR_SUCCESS && name != NULL &&
+             strcmp( name, writer->parts[writer->part].name ) == 0 )
+            index = p;
+    }
+    if ( code == EXR_ERR_SUCCESS )
+        code = exr_copy_unset_attributes( writer->context, writer->part, from, index );
+    if ( from != NULL )
+        exr_finish( &from );
+    close( stream.fd );
+    return code;
+}
+
 static exr_result_t set_window( Writer* writer )
 {
     const RfExrOptions* options = writer->options;
@@ -473,7 +501,9 @@ static exr_result_t write_part_header( Writer* writer )
         code = set_attributes( writer );
     char text[CHECKSUM_SIZE];
     format_checksum( writer->parts + writer->part, text );
-    return code == EXR_ERR_SUCCESS ? exr_attr_set_string( writer->context, writer->part, RF_EXR_CHECKSUM, text ) : code;
+    if ( code == EXR_ERR_SUCCESS )
+        code = exr_attr_set_string( writer->context, writer->part, RF_EXR_CHECKSUM, text );
+    return code == EXR_ERR_SUCCESS ? copy_attributes( writer ) : code;
 }
 
 // Names beyond 31 characters need a flag that old readers reject.

@@ -60,7 +60,7 @@ static RfResult add_pass( const Pass* pass, const RfFrameFiles* files, PassChann
         strcpy( part, name );
         if ( pass->layer != NULL )
             *strrchr( part, '.' ) = '\0';
-        bool is_colour = strcmp( pass->letters, "RGB" ) == 0,
+        bool is_colour = strncmp( pass->letters, "RGB", 3 ) == 0 && channel.component < 3,
              is_variance = pass->layer != NULL && strcmp( pass->layer, rf_aov_name( RF_AOV_VARIANCE ) ) == 0;
         bool zero = pass->zero[channel.component % 4];
         list->channels[list->count++] = ( RfExrChannel ){
@@ -234,6 +234,7 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     add_setting( &hash, s->clamp_chains > 0.0, "clamp of chains %.17g", s->clamp_chains );
     add_setting( &hash, s->filter != RF_FILTER_BOX || s->filter_width != 1.0, "filter %s %.17g", rf_filter_name( s->filter ),
                  s->filter_width );
+    add_setting( &hash, s->files.denoiser != NULL, "denoiser %s", s->files.denoiser != NULL ? s->files.denoiser : "" );
     add_setting( &hash, path->run_count > 0 && path->run_count < path->count, "runs %d", path->run_count );
     if ( s->aovs != 0 )
         hash = hash_text( hash, aovs );
@@ -286,6 +287,7 @@ static void put_files( Attributes* a, const RfFrameFiles* files )
     if ( files->names != RF_NAMES_REFRAME )
         put_text( a, RF_KEY_NAMES, rf_pass_names_words[files->names] );
     put_text( a, RF_KEY_TIMECODE, files->time_code );
+    put_text( a, RF_KEY_DENOISER, files->denoiser );
     if ( files->compression != RF_EXR_ZIP )
         put( a, RF_KEY_COMPRESSION, files->compression >= RF_EXR_DWAA ? "%s:%.9g" : "%s",
              rf_compression_words[files->compression], (double)files->dwa_level );
@@ -447,6 +449,12 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     {
         put( a, RF_KEY_CLAMP_THRESHOLD, "%.6g", frame->clamp );
         put( a, RF_KEY_CLAMP_THRESHOLD_CHAINS, "%.6g", frame->clamp_chains );
+    }
+    if ( frame->denoised != NULL && isfinite( frame->denoised->denoised.relmse ) )
+    {
+        put( a, RF_KEY_DENOISED_RELMSE, "%.6g", frame->denoised->denoised.relmse );
+        put( a, RF_KEY_DENOISED_LOW, "%.6g", frame->denoised->denoised.low );
+        put( a, RF_KEY_DENOISED_HIGH, "%.6g", frame->denoised->denoised.high );
     }
     put_if( frame->removes, a, RF_KEY_REMOVED_SHARE, "%.6g", frame->removed );
     put_if( output->beyond_depth > 0.0, a, RF_KEY_BEYOND_DEPTH_SHARE, "%.6g", output->beyond_depth );

@@ -72,6 +72,10 @@
     X( GAMMA, "reframe/gamma", NULL )                                                                                            \
     X( CLIPPED_PIXELS, "reframe/clipped-pixels", NULL )                                                                          \
     X( CLIPPED_LAYERS, "reframe/clipped-layers", NULL )                                                                          \
+    X( DENOISER, "reframe/denoiser", "none" )                                                                                    \
+    X( DENOISED_RELMSE, "reframe/denoised-relmse", NULL )                                                                        \
+    X( DENOISED_LOW, "reframe/denoised-relmse-low", NULL )                                                                       \
+    X( DENOISED_HIGH, "reframe/denoised-relmse-high", NULL )                                                                     \
     X( DEVICE, "reframe/device", NULL )                                                                                          \
     X( FINGERPRINT, "reframe/fingerprint", NULL )
 
@@ -87,11 +91,13 @@ typedef enum RfKey
 // The name of an attribute, such as "reframe/spp".
 const char* rf_key_name( RfKey key );
 
+#define RF_LIGHT_LAYER "light_"  // begins the name of a light group's
+#define RF_NOISY_LAYER "noisy"   // of a frame that has been denoised: the picture before
 #define RF_COLOUR_LAYER "colour" // in RF_KEY_CLIPPED_LAYERS: R, G and B, whatever they are called
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 38
+#define RF_MAX_DIFFERENCES 39
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference

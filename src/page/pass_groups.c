@@ -2,6 +2,7 @@
 #include "page/pass_groups.h"
 
 #include "film/aov.h"
+#include "output/frame_file.h"
 #include "output/names.h"
 
 #include <jansson.h>
@@ -106,6 +107,7 @@ static bool look_of( RfAov aov, RfLook* look )
     {
         case RF_AOV_PRIMAL:
         case RF_AOV_REMOVED:
+        case RF_AOV_HALF:
         case RF_AOV_DENOISE_ALBEDO:
         RF_PASS_AOV_CASES:
         case RF_AOV_ALBEDO: *look = RF_LOOK_LIGHT; return true;
@@ -133,7 +135,7 @@ static bool is_albedo( const char* name )
     return length >= end && strcmp( name + length - end, word ) == 0;
 }
 
-#define GROUP "light_"
+#define GROUP RF_LIGHT_LAYER
 #define BLENDER_GROUP "Combined_"
 #define NUKE_MOTION "backward" // of the previous frame; the next is "forward"
 #define CRYPTO "Crypto"

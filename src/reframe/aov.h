@@ -42,6 +42,9 @@ RF_API_BEGIN
        "like this, Z and W with the opposite sign); 0 at the ends of the path, for points behind the other camera, and for "     \
        "what is not there in the other frame" )                                                                                  \
     X( VARIANCE, "variance", "RGB", false, FILMS, "estimated variance of the colour; 0 where a frame has a single pass" )        \
+    X( HALF, "half", "RGBW", false, FILMS,                                                                                       \
+       "the picture by every other pass alone, and in W their share of the samples: two halves that know nothing of each "       \
+       "other tell the error of what is made of them, as by reframe denoise" )                                                   \
     X( SAMPLES, "samples", "Y", false, FILMS,                                                                                    \
        "effective samples: all that landed in the pixel, reused ones too, each counted once" )                                   \
     X( OBJECT_INDEX, "object_index", "X", false, FILMS,                                                                          \

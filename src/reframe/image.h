@@ -126,6 +126,8 @@ typedef struct RfExrOptions
     int attribute_count;
     const RfExrChannel* channels; // additional channels in any order, with distinct names within a part
     int channel_count;
+    const char*
+        like; // a file whose attributes the parts of the same name, or the first, have as well, unless these say otherwise
 } RfExrOptions;
 
 // ZIP compression, half floats, no attributes and no additional channels.

@@ -56,6 +56,21 @@ void rf_clean_output_folder( const char* pattern );
 // Fails as rf_write_exr and rf_check_time_code do, and with RF_ERROR_USAGE where settings.files was not set.
 RfResult rf_write_frame( const RfOutput* output, const RfFrameResult* frame, RfError* error );
 
+// A frame that has been denoised: the picture, passes that split its light, and light groups; the picture before is the layer "noisy".
+typedef struct RfDenoisedFrame
+{
+    RfFrameResult frame;
+    RfDenoised denoised;
+    RfLayer* layers;
+    float* pixels;
+} RfDenoisedFrame;
+
+// Denoises a frame for rf_write_frame (rf_denoise): with RF_DENOISE_AOVS where the frame has them, and with RF_AOV_HALF, without
+// which the error is not known. `sums` may be NULL. Free it with rf_free_denoised_frame in any case.
+RfResult rf_denoise_frame( RfDenoiser* denoiser, const RfFrameResult* frame, RfDenoisedSums* sums, RfDenoisedFrame* denoised,
+                           RfError* error );
+void rf_free_denoised_frame( RfDenoisedFrame* frame );
+
 #define RF_FINGERPRINT_SIZE 17
 
 // What decides the colour and the AOVs of frame `frame` (from 0), as 16 hexadecimal digits: scene,

@@ -53,6 +53,7 @@
 #include "reframe/aov.h"
 #include "reframe/camera.h"
 #include "reframe/convert.h"
+#include "reframe/denoise.h"
 #include "reframe/effects.h"
 #include "reframe/error.h"
 #include "reframe/image.h"

@@ -16,6 +16,7 @@
 
 #include "reframe/aov.h"
 #include "reframe/camera.h"
+#include "reframe/denoise.h"
 #include "reframe/error.h"
 #include "reframe/render_settings.h"
 #include "reframe/scene.h"
@@ -144,6 +145,7 @@ typedef struct RfFrameResult
     bool flicker_is_lower_bound;
     double flicker_likely;
     double flicker_worst_ten_share; // of the pixels in F1 squared
+    const RfDenoised* denoised;     // NULL: it was not denoised (rf_denoise_frame)
     bool noise_missed;              // the relMSE may be above settings.noise
     bool flicker_missed;            // F1 may be above settings.flicker
     bool reached;                   // neither, by all that is known, or nothing was asked

@@ -151,6 +151,7 @@ typedef struct RfFrameFiles
     RfColourSpace colour_space; // of colours, variances too
     RfPassNames names;
     RfFileParts parts;
+    const char* denoiser;  // by which frames are denoised before they are written (rf_denoiser_name); NULL: they are not
     const char* time_code; // of the path's first frame, "01:00:00:00" (rf_check_time_code); NULL: 0 is that of number 0
 } RfFrameFiles;
 

@@ -130,6 +130,7 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         { s->adaptive == RF_ADAPTIVE_ON && !can_adapt( s ), "adaptive sampling" },
         { ( s->aovs & RF_FIRST_HIT_AOVS ) != 0 && e->first_hits == NULL, "AOVs of first hits" },
         { ( s->aovs & RF_DENOISE_AOVS ) != 0 && !e->has_features, "AOVs for denoisers" },
+        { ( s->aovs & RF_AOV_BIT( RF_AOV_HALF ) ) != 0 && e->finish != NULL, "half AOV: its halves weigh each other" },
         { ( s->aovs & RF_AOV_BIT( RF_AOV_VARIANCE ) ) != 0 && e->finish != NULL && !e->has_variance, "variance AOV" },
         // the halves of the pictures that it makes are not in the films
         { s->flicker > 0.0 && e->finish != NULL, "estimate of flicker to stop at" },

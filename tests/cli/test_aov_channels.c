@@ -8,7 +8,7 @@
 
 #include <jansson.h>
 
-#define ALL "albedo,normal,denoise_albedo,denoise_normal,depth,motion,variance,samples,object_index,material_index"
+#define ALL "albedo,normal,denoise_albedo,denoise_normal,depth,motion,variance,half,samples,object_index,material_index"
 #define PASSES "emission,direct,indirect,reflection,transmission"
 #define SMALL "--size 48x27 --spp 6 --group 1 --frames 10-11 --quiet"
 

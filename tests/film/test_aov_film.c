@@ -415,7 +415,7 @@ TEST( test_each_alone_is_as_among_all )
     for ( int a = 0; a < RF_AOV_PRIMAL; ++a ) // those of gradients are tested with these
     {
         settings.aovs = RF_AOV_BIT( a );
-        settings.aovs |= a == RF_AOV_VARIANCE || a == RF_AOV_REMOVED ? RF_PASS_AOVS : 0;
+        settings.aovs |= a == RF_AOV_VARIANCE || a == RF_AOV_HALF || a == RF_AOV_REMOVED ? RF_PASS_AOVS : 0;
         const RfFrameResult* alone = render_some( &stage, 1, 1, &settings );
         size_t count = (size_t)( alone->width * alone->height * rf_aov_channels( (RfAov)a ) );
         assert_memory_equal( alone[0].aovs[a], all[0].aovs[a], count * sizeof( float ) );
@@ -439,8 +439,8 @@ TEST( test_budget_counts_aov_films )
     size_t with = stage.stats.peak_bytes;
     settings.aovs = 0;
     render_some( &stage, 0, EYES, &settings );
-    // three films of 19 floats, one image of 24, and the features of a batch
-    size_t more = WIDTH * HEIGHT * ( 3 * 19 + 24 ) * sizeof( float ) + sizeof( RfFeatures );
+    // three films of 19 floats, one image of 28, and the features of a batch
+    size_t more = WIDTH * HEIGHT * ( 3 * 19 + 28 ) * sizeof( float ) + sizeof( RfFeatures );
     size_t difference = with - stage.stats.peak_bytes;
     assert_true( difference >= more && difference < more + 4096 );
     settings.aovs = REUSE_AOVS;

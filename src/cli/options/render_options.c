@@ -386,6 +386,11 @@ static const RfOption s_options[] = {
     RF_FLAG_OPTION( "alpha", &render_parse.options.alpha,
                     "write RGBA: alpha is the coverage by anything but sky, colour is premultiplied; on if the scene asks for it",
                     .in_file = true, .given = &render_parse.options.alpha_given, .heading = RF_HEADING_PASSES ),
+    RF_FLAG_OPTION(
+        "denoise", &render_parse.options.denoise,
+        "denoise each frame by Open Image Denoise, tell the error that is left, and keep the picture before as the layer "
+        "noisy; by default with --filter box, --tile rooks16 and --aov denoise_albedo,denoise_normal,half",
+        .in_file = true, .heading = RF_HEADING_QUALITY ),
     RF_TEXT_OPTION(
         "compression", &render_parse.compression, "zip|zips|piz|none|dwaa|dwab",
         "compression of the EXR files; dwaa and dwab change colours a little and keep the rest; dwaa:45 sets the level, of "
@@ -433,6 +438,7 @@ static const RfOption s_options[] = {
     RF_GROUP_OPTION( render_parse.options, "share paths between 2N+1 neighbouring frames; 0: no frame reuse" ),
     RF_TILE_OPTION( render_parse.options ),
     RF_MACHINE_OPTIONS( render_parse.options, "threads; their number does not affect the pictures" ),
+    RF_DENOISER_OPTION( render_parse.options.denoiser ),
     RF_NODES_OPTION( render_parse.options, "with --check: split the missing frames into ranges for N machines" ),
     RF_ESTIMATOR_OPTION( render_parse.options ),
     RF_CHOICE_OPTION(
@@ -452,7 +458,8 @@ const RfCommandTable rf_render_table = { .command = "render",
                                                     ".gltf or a scene file (.json), which may set defaults of these options.",
                                          RF_TABLE_ROWS( s_files, s_options ) };
 
-#define WRITE_QUEUE 2 // frames: one being written, one waiting
+#define RF_DENOISED_ROOKS 16 // of a tile: blocks of 3x3 leave blotches
+#define WRITE_QUEUE 2        // frames: one being written, one waiting
 #define AUTOSAVE_SECONDS 300.0
 
 RfDefaultTexts rf_default_texts;
@@ -574,7 +581,8 @@ static void reset( void )
 void rf_settle_filter( RfRenderOptions* options )
 {
     bool given = options->filter >= 0;
-    options->settings.filter = given ? (RfFilter)options->filter : rf_default_filter( options->settings.estimator );
+    RfFilter usual = options->denoise ? RF_FILTER_BOX : rf_default_filter( options->settings.estimator );
+    options->settings.filter = given ? (RfFilter)options->filter : usual;
 }
 
 void rf_take_estimator_option( RfRenderOptions* options )
@@ -584,6 +592,8 @@ void rf_take_estimator_option( RfRenderOptions* options )
 
 RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
 {
+    if ( options->tile == NULL && options->denoise )
+        options->settings.tile = ( RfTile ){ RF_TILE_ROOKS, RF_DENOISED_ROOKS, RF_DENOISED_ROOKS };
     if ( options->tile == NULL )
         return RF_OK;
     if ( rf_parse_tile( options->tile, &options->settings.tile ) )
@@ -605,6 +615,7 @@ static RfResult parse_aov_option( RfRenderOptions* options, RfError* error )
     RfError reason = { 0 };
     RfResult result = rf_parse_aovs( options->aov, &options->settings.aovs, &reason );
     options->settings.aovs |= options->alpha ? RF_AOV_BIT( RF_AOV_ALPHA ) : 0u;
+    options->settings.aovs |= options->denoise ? RF_DENOISE_AOVS | RF_AOV_BIT( RF_AOV_HALF ) : 0u;
     return result == RF_OK ? result : rf_fail( error, result, "--aov: %.1000s", reason.text );
 }
 

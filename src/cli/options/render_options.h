@@ -42,6 +42,8 @@ typedef struct RfRenderOptions
     const char* aov;         // NULL: none
     const char* cryptomatte; // likewise
     bool alpha, alpha_given;
+    bool denoise;
+    const char* denoiser; // its library; NULL: that which is found
     const char* output;
     const char* preview; // NULL: none
     double autosave;     // seconds; 0: never

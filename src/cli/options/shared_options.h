@@ -126,6 +126,11 @@ extern RfDefaultTexts rf_default_texts;
         RF_INT_OPTION( "threads", &( o ).settings.threads, 1, RF_MAX_THREADS, "T", ( threads_help ),                             \
                        .default_text = "all cores", .heading = RF_HEADING_PERFORMANCE )
 
+#define RF_DENOISER_OPTION( to )                                                                                                 \
+    RF_TEXT_OPTION( "denoiser", &( to ), "FILE", "library of Open Image Denoise 2, libOpenImageDenoise.so.2", .reads = true,     \
+                    .default_text = "$REFRAME_OIDN, else the system's, the cache's, Blender's or Python's",                      \
+                    .heading = RF_HEADING_OUTPUT )
+
 #define RF_NODES_OPTION( o, nodes_help )                                                                                         \
     RF_INT_OPTION( "nodes", &( o ).nodes, 1, RF_MAX_NODES, "N", ( nodes_help ), .heading = RF_HEADING_PERFORMANCE )
 

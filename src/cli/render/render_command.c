@@ -16,6 +16,7 @@
 #include "scene_file/scene_file.h"
 #include "trace/trace.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,9 +68,16 @@ static void print_frame_errors( const RfRenderJob* job )
 {
     const RfFrameErrors* errors = &job->errors;
     double reported = errors->relmse_sum / errors->frames, likely = errors->likely_sum / errors->frames;
+    char text[512], noise[RF_NOISE_TEXT_SIZE];
+    if ( job->denoised.frames > 0 )
+    {
+        RfErrorEstimate denoised = rf_denoised_error( &job->denoised );
+        rf_format_denoised( job->noisy_sum / job->denoised.frames, &denoised, text );
+        printf( "%c%s\n", toupper( text[0] ), text + 1 );
+        return;
+    }
     if ( errors->frames == 0 || isfinite( reported ) == 0 )
         return;
-    char text[512], noise[RF_NOISE_TEXT_SIZE];
     json_t* specks = rf_sum_specks( job->frames_json );
     rf_format_noise( reported, noise );
     if ( rf_format_specks( specks, text, sizeof text ) )
@@ -281,6 +289,8 @@ static void print_runs( const RfCameraPath* path, const int* frames, int frame_c
 static void destroy_render_job( RfRenderJob* job )
 {
     rf_stop_preview( &job->preview );
+    rf_close_denoiser( job->denoiser );
+    rf_free_denoised_sums( &job->denoised );
     pthread_mutex_destroy( &job->speech );
     rf_destroy_tracer( job->tracer );
     rf_destroy_camera_path( &job->path );
@@ -376,6 +386,9 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     int asked_count = job->frame_count;
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
     RF_TRY( job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error ) );
+    if ( job->options.denoise )
+        RF_TRY( rf_open_denoiser( job->options.denoiser, job->options.settings.threads, &job->denoiser, error ) );
+    job->options.settings.files.denoiser = job->denoiser != NULL ? rf_denoiser_name( job->denoiser ) : NULL;
     RF_TRY( rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error ) );
     RF_TRY( resolve( job, error ) );
     list_effects( job );
@@ -464,9 +477,8 @@ static RfResult write_frame( RfRenderJob* job, const RfFrameResult* result, int 
 }
 
 // A finished run: every frame of it that is wanted gets the picture. Called in the thread that writes.
-static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
+static RfResult write_run( RfRenderJob* job, const RfFrameResult* run, RfError* error )
 {
-    RfRenderJob* job = user;
     RfFrameResult frame = *run;
     int same_as = -1;
     while ( job->frames_done < job->frame_count && job->path.run_of_frame[job->frames[job->frames_done]] == run->frame )
@@ -478,6 +490,20 @@ static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
         stop_flicker( &frame );
     }
     return RF_OK;
+}
+
+static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
+{
+    RfRenderJob* job = user;
+    RfDenoisedFrame clean;
+    if ( job->denoiser == NULL )
+        return write_run( job, run, error );
+    RfResult result = rf_denoise_frame( job->denoiser, run, &job->denoised, &clean, error );
+    job->noisy_sum += result == RF_OK && isfinite( clean.denoised.noisy ) ? clean.denoised.noisy : 0.0;
+    if ( result == RF_OK )
+        result = write_run( job, &clean.frame, error );
+    rf_free_denoised_frame( &clean );
+    return result;
 }
 
 static bool on_progress( void* user, const RfProgress* progress )

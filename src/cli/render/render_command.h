@@ -74,6 +74,9 @@ typedef struct RfRenderJob
     RfError not_kept;      // why the last were not; RF_OK: they were, or there are none
     RfAutosave autosave;
     RfLivePreview preview;
+    RfDenoiser* denoiser; // with --denoise
+    RfDenoisedSums denoised;
+    double noisy_sum; // of relMSE before, of frames whose error is known
     json_t* frames_json;
     double start, seconds_scene; // monotonic time of the start; seconds until rays can be traced
     RfRenderStats stats;

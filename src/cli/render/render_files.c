@@ -245,7 +245,12 @@ static json_t* kept_frame_json( const RfRenderJob* job, int frame, Older* older 
         .clamp_chains = rf_read_exr_number( name, "reframe/clamp-threshold-chains" ),
         .removed = rf_read_exr_number( name, "reframe/removed-share" ),
     };
+    const RfDenoised denoised = { .noisy = (double)NAN,
+                                  .denoised = { .relmse = rf_read_exr_number( name, "reframe/denoised-relmse" ),
+                                                .low = rf_read_exr_number( name, "reframe/denoised-relmse-low" ),
+                                                .high = rf_read_exr_number( name, "reframe/denoised-relmse-high" ) } };
     said.removes = isfinite( said.removed );
+    said.denoised = job->options.denoise ? &denoised : NULL;
     const json_t *row = older_row( older, &said, number ), *specks = json_object_get( row, "specks" );
     said.seconds = rf_json_number_of( row, "seconds" );
     json_t* json = rf_frame_json( &said, &job->scene, &job->path, &job->options.settings, -1 );

@@ -486,6 +486,8 @@ json_t* rf_frame_json( const RfFrameResult* result, const RfScene* scene, const 
                      "flicker_is_lower_bound", result->flicker_is_lower_bound, "flicker_likely",
                      rf_json_number( result->flicker_likely ), "flicker_worst_ten_share",
                      rf_json_number( result->flicker_worst_ten_share ) );
+    if ( result->denoised != NULL )
+        json_object_set_new( json, "denoised", rf_denoised_json( result->denoised->noisy, &result->denoised->denoised ) );
     if ( settings->clamp != 0.0 )
         RF_SET_FIGURES( json, { "clamp_threshold", result->clamp }, { "clamp_threshold_chains", result->clamp_chains } );
     return rf_json_add( json, "{s:o*, s:o*}", "removed_share", result->removes ? rf_json_number( result->removed ) : NULL,

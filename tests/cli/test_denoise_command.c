@@ -1,0 +1,219 @@
+// `render --denoise` and `reframe denoise` as a user has them, by the library of support that takes means over 5x5 pixels; and by Open
+// Image Denoise where it is found.
+#include "output/frame_file.h"
+#include "reframe/denoise.h"
+#include "support/cli_run.h"
+#include "support/test.h"
+
+#define BOX "--denoiser " REFRAME_BOX_DENOISER
+#define LARGE "$R render $VASE --size 128x72 --quiet "
+#define RENDER "$R render $VASE --size 64x36 --quiet "
+
+SHARED_BY_TESTS( cli_enter_group, cli_leave_group )
+
+// Sum over all channels of a picture.
+static double light_of( const char* name, const char* layer )
+{
+    double sum = 0.0;
+    for ( int c = 0; c < 3; ++c )
+    {
+        char channel[64];
+        RfExrWindow window;
+        snprintf( channel, sizeof channel, "%s%s%c", layer, layer[0] != '\0' ? "." : "", "RGB"[c] );
+        float* values = cli_read_channel( name, channel, &window );
+        assert_non_null( values );
+        for ( int i = 0; i < window.width * window.height; ++i )
+            sum += (double)values[i];
+        free( values );
+    }
+    return sum;
+}
+
+static double figure( const json_t* json, const char* key )
+{
+    const json_t* value = json_object_get( json, key );
+    if ( !json_is_number( value ) )
+        fail_msg( "%s is no number", key );
+    return json_number_value( value );
+}
+
+// Two renders of the same samples, one of them denoised: its layer `noisy` is the picture of the other.
+TEST( test_render_keeps_the_noisy_picture )
+{
+    const char* const texts[][2] = { { "reframe/denoiser", "Open Image Denoise 2.0.0" },
+                                     { "reframe/tile", "rooks16" },
+                                     { "reframe/aov", "denoise_albedo,denoise_normal,half" } };
+    cli_expect( cli_run( LARGE "-o clean.##.exr --frames 1-2 --spp 8 --group 1 --float --denoise " BOX " --json c.json" ), 0,
+                NULL );
+    cli_expect( cli_run( LARGE "-o raw.##.exr --frames 1-2 --spp 8 --group 1 --float --filter box --tile rooks16" ), 0, NULL );
+    cli_expect_exr_texts( "clean.01.exr", texts, sizeof texts / sizeof texts[0] );
+    for ( int c = 0; c < 3; ++c )
+    {
+        RfExrWindow window;
+        const char noisy_name[] = { 'n', 'o', 'i', 's', 'y', '.', "RGB"[c], '\0' }, name[] = { "RGB"[c], '\0' };
+        float *noisy = cli_read_channel( "clean.02.exr", noisy_name, &window ),
+              *raw = cli_read_channel( "raw.02.exr", name, &window );
+        float* clean = cli_read_channel( "clean.02.exr", name, &window );
+        assert_memory_equal( noisy, raw, 128 * 72 * sizeof( float ) );
+        assert_true( memcmp( clean, raw, 128 * 72 * sizeof( float ) ) != 0 );
+        free( noisy );
+        free( raw );
+        free( clean );
+    }
+    json_t *json = cli_read_json( "c.json" ), *row = json_array_get( json_object_get( json, "frames" ), 1 );
+    const json_t* denoised = json_object_get( row, "denoised" );
+    assert_true( fabs( figure( denoised, "noisy_relmse" ) / figure( row, "relmse_likely" ) - 1.0 ) < 0.01 );
+    double relmse = figure( denoised, "relmse" );
+    assert_true( relmse < figure( denoised, "noisy_relmse" ) && figure( denoised, "low" ) <= relmse &&
+                 figure( denoised, "high" ) >= relmse );
+    assert_true( fabs( strtod( cli_exr_text( "clean.02.exr", "reframe/denoised-relmse" ), NULL ) / relmse - 1.0 ) < 1e-4 );
+    json_decref( json );
+}
+
+TEST( test_last_line_tells_both_errors )
+{
+    const CliResult* done = cli_run( "$R render $VASE --size 64x36 -o line.exr --frames 1 --spp 8 --group 0 --denoise " BOX );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->out, "\nNoise " ) );
+    assert_non_null( strstr( done->out, ", denoised " ) );
+    assert_non_null( strstr( done->out, "bias included)\n" ) );
+    cli_expect( cli_run( RENDER "-o few.exr --frames 1 --spp 2 --group 0 --denoise " BOX " --json few.json" ), 0, NULL );
+    json_t* json = cli_read_json( "few.json" );
+    json_t* row = json_array_get( json_object_get( json, "frames" ), 0 );
+    assert_true( json_is_null( json_object_get( json_object_get( row, "denoised" ), "relmse" ) ) );
+    json_decref( json );
+}
+
+// By the layers of a file: the same as while rendering. All else stays.
+TEST( test_files_are_denoised_later )
+{
+    cli_expect( cli_run( RENDER "-o two/now.####.exr --frames 1-2 --spp 8 --group 1 --float --denoise " BOX
+                                " --light-groups lamps --aov depth,direct,indirect,emission,reflection,transmission "
+                                "--cryptomatte object --colorspace acescg" ),
+                0, NULL );
+    cli_expect( cli_run( RENDER "-o one/now.####.exr --frames 1-2 --spp 8 --group 1 --float --filter box --tile rooks16 "
+                                "--light-groups lamps --aov denoise_albedo,denoise_normal,half,depth,direct,indirect,emission,"
+                                "reflection,transmission --cryptomatte object --colorspace acescg" ),
+                0, NULL );
+    const CliResult* done = cli_run( "$R denoise one -o later " BOX );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->out, "2 frames in later/now.####.exr by Open Image Denoise 2.0.0, " ) );
+    RfImage now = cli_read_exr( "two/now.0002.exr" ), later = cli_read_exr( "later/now.0002.exr" );
+    for ( int i = 0; i < 3 * 64 * 36; ++i )
+        assert_true( fabsf( now.rgb[i] - later.rgb[i] ) <= 1e-4f * ( fabsf( now.rgb[i] ) + 0.01f ) );
+    rf_destroy_image( &now );
+    rf_destroy_image( &later );
+    static const char* const kept[] = { "depth.Z", "CryptoObject00.r", "CryptoObject01.a", "half.W", "denoise_normal.X" };
+    for ( size_t k = 0; k < sizeof kept / sizeof kept[0]; ++k )
+    {
+        RfExrWindow window;
+        float *before = cli_read_channel( "one/now.0002.exr", kept[k], &window ),
+              *after = cli_read_channel( "later/now.0002.exr", kept[k], &window );
+        assert_memory_equal( before, after, 64 * 36 * sizeof( float ) );
+        free( before );
+        free( after );
+    }
+    static const char* const texts[] = { "reframe/scene", "reframe/seed", "cryptomatte/f834d0a/name", "reframe/colorspace" };
+    for ( size_t k = 0; k < sizeof texts / sizeof texts[0]; ++k )
+    {
+        char before[256];
+        const char* text = cli_exr_text( "one/now.0002.exr", texts[k] );
+        if ( text == NULL && k == 2 )
+            continue; // another key
+        assert_non_null( text );
+        snprintf( before, sizeof before, "%s", text );
+        cli_expect_exr_text( "later/now.0002.exr", texts[k], before );
+    }
+    double all = light_of( "later/now.0002.exr", "" ), passes = 0.0;
+    static const char* const split[] = { "direct", "indirect", "emission", "reflection", "transmission" };
+    for ( size_t k = 0; k < sizeof split / sizeof split[0]; ++k )
+        passes += light_of( "later/now.0002.exr", split[k] );
+    assert_true( fabs( passes / all - 1.0 ) < 1e-3 );
+    // once more, from the layer noisy: the same
+    cli_expect( cli_run( "$R denoise later -o again " BOX " --quiet" ), 0, NULL );
+    RfImage first = cli_read_exr( "later/now.0001.exr" ), second = cli_read_exr( "again/now.0001.exr" );
+    for ( int i = 0; i < 3 * 64 * 36; ++i )
+        assert_true( fabsf( first.rgb[i] - second.rgb[i] ) <= 1e-5f * ( fabsf( first.rgb[i] ) + 0.01f ) );
+    rf_destroy_image( &first );
+    rf_destroy_image( &second );
+}
+
+// In parts and by the names of another program.
+TEST( test_files_of_other_forms_are_denoised )
+{
+    static const char* const forms[] = { "--names blender", "--names nuke --parts each", "--compression piz --overscan 4" };
+    for ( size_t k = 0; k < sizeof forms / sizeof forms[0]; ++k )
+    {
+        cli_expect(
+            cli_run( RENDER
+                     "-o form.exr --frames 1 --spp 8 --group 0 --filter box --aov denoise_albedo,denoise_normal,half,motion "
+                     "--overwrite %s",
+                     forms[k] ),
+            0, NULL );
+        const CliResult* done = cli_run( "$R denoise form.exr -o formed.exr " BOX " --overwrite --json -" );
+        cli_expect( done, 0, NULL );
+        assert_null( strstr( done->out, "\"relmse\": null" ) );
+        cli_expect( cli_run( "$R compare formed.exr form.exr --layer noisy --reference-layer %s --json -",
+                             k == 0 ? "ViewLayer.Combined" : "R,G,B" ),
+                    0, NULL );
+    }
+}
+
+TEST( test_files_without_halves )
+{
+    cli_expect( cli_run( RENDER "-o plain.exr --frames 1 --spp 8 --group 0" ), 0, NULL );
+    const CliResult* done = cli_run( "$R denoise plain.exr -o smooth.exr " BOX );
+    cli_expect( done, 0, "warning: the error of 1 frame is not known: render with --denoise or --aov half" );
+    assert_non_null( strstr( done->out, "error unknown" ) );
+}
+
+TEST( test_resume_knows_the_denoiser )
+{
+    cli_expect( cli_run( RENDER "-o res.##.exr --frames 1-2 --spp 4 --group 0 --denoise " BOX ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE --size 64x36 -o res.##.exr --frames 1-2 --spp 4 --group 0 --check --denoise " BOX ), 0,
+                NULL );
+    cli_expect( cli_run( RENDER "-o res.##.exr --frames 1-2 --spp 4 --group 0 --tile rooks16 --filter box --resume "
+                                "--aov denoise_albedo,denoise_normal,half" ),
+                1, "of --denoiser Open Image Denoise 2.0.0 (here none)" );
+}
+
+TEST( test_bad_input_is_one_line )
+{
+    cli_expect( cli_run( RENDER "-o bad.exr --frames 1 --spp 4 --group 0 --aov half" ), 0, NULL );
+    cli_expect( cli_run( "$R denoise bad.exr" ), 2, "-o is missing" );
+    cli_expect( cli_run( "$R denoise bad.exr -o bad.exr " BOX ), 2, "bad.exr: would overwrite an input" );
+    cli_expect( cli_run( "$R denoise bad.exr -o ./bad.exr " BOX ), 2, "would overwrite an input" );
+    cli_expect( cli_run( "$R denoise none.exr -o x.exr " BOX ), 1, "none.exr: " );
+    cli_expect( cli_run( "$R denoise bad.exr -o x.exr --denoiser none.so" ), 1, "none.so: cannot be loaded" );
+    cli_expect( cli_run( "FAKE_OIDN=old $R denoise bad.exr -o x.exr " BOX ), 1, "is Open Image Denoise 1.4, but 2.0 or later" );
+    cli_expect( cli_run( "FAKE_OIDN=fail $R denoise bad.exr -o x.exr " BOX ), 1, "Open Image Denoise: it has no memory" );
+    assert_false( cli_exists( "x.exr" ) );
+    cli_expect( cli_run( "$R denoise bad.exr -o x.exr --quiet " BOX ), 0, NULL );
+    cli_expect( cli_run( "$R denoise bad.exr -o x.exr " BOX ), 1, "x.exr: already exists: --overwrite replaces it" );
+    cli_expect( cli_run( "head -c 20000 bad.exr > cut.exr; $R denoise cut.exr -o y.exr " BOX ), 1, "cut.exr: " );
+    assert_false( cli_exists( "y.exr" ) );
+    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --estimator gradient " BOX ), 2,
+                "the estimator 'gradient' has no half AOV" );
+    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --denoiser none.so" ), 1, "none.so: cannot be loaded" );
+    assert_false( cli_exists( "g.exr" ) );
+}
+
+TEST( test_open_image_denoise_where_it_is )
+{
+    RfDenoiser* denoiser;
+    RfError error;
+    if ( rf_open_denoiser( NULL, 0, &denoiser, &error ) != RF_OK )
+    {
+        print_message( "skipped: %s\n", error.text );
+        return;
+    }
+    print_message( "ran by %s\n", rf_denoiser_name( denoiser ) );
+    rf_close_denoiser( denoiser );
+    cli_expect( cli_run( LARGE "-o real.exr --frames 1 --spp 8 --group 0 --denoise --json real.json" ), 0, NULL );
+    json_t *json = cli_read_json( "real.json" ), *row = json_array_get( json_object_get( json, "frames" ), 0 );
+    const json_t* denoised = json_object_get( row, "denoised" );
+    assert_true( figure( denoised, "relmse" ) < figure( denoised, "noisy_relmse" ) );
+    json_decref( json );
+    cli_expect( cli_run( LARGE "-o real2.exr --frames 1 --spp 8 --group 0 --denoise --threads 1" ), 0, NULL );
+    cli_expect( cli_run( "$R compare real.exr real2.exr" ), 0, NULL );
+}
