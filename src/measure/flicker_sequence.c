@@ -3,6 +3,7 @@
 
 #include "base/remedy.h"
 #include "base/try.h"
+#include "output/frame_file.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -113,7 +114,7 @@ RfResult rf_find_variance_layers( const char* path, const RfExrHeader* header, R
     {
         RF_TRY( find_one( path, header, tails[c], RF_REMEDY_NONE, layers->variance + c, error ) );
     }
-    if ( layers->variance[0] == NULL || layers->variance[1] == NULL || layers->variance[2] == NULL )
+    if ( rf_is_denoised( path ) || layers->variance[0] == NULL || layers->variance[1] == NULL || layers->variance[2] == NULL )
         memset( layers->variance, 0, sizeof layers->variance );
     return RF_OK;
 }

@@ -544,6 +544,12 @@ int rf_list_frame_differences( const RfOutput* output, int frame, RfFrameDiffere
     return count;
 }
 
+bool rf_is_denoised( const char* path )
+{
+    char text[4];
+    return rf_read_exr_string( path, s_names[RF_KEY_DENOISER], text, sizeof text, NULL ) == RF_OK;
+}
+
 RfFrameFiles rf_default_frame_files( void )
 {
     return ( RfFrameFiles ){ .written = true, .half = true, .compression = RF_EXR_ZIP, .dwa_level = RF_EXR_DWA_LEVEL };

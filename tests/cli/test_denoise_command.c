@@ -167,6 +167,21 @@ TEST( test_files_without_halves )
     assert_non_null( strstr( done->out, "error unknown" ) );
 }
 
+// The estimates of other commands are not those of the noisy picture.
+TEST( test_estimates_are_of_the_denoised_picture )
+{
+    cli_expect( cli_run( LARGE "-o est/f.##.exr --frames 1-2 --spp 8 --group 0 --aov variance --denoise " BOX ), 0, NULL );
+    double told = strtod( cli_exr_text( "est/f.01.exr", "reframe/denoised-relmse" ), NULL ) / 2.0 +
+                  strtod( cli_exr_text( "est/f.02.exr", "reframe/denoised-relmse" ), NULL ) / 2.0;
+    cli_expect( cli_run( "$R report est -o est.html --json est.json --quiet" ), 0, NULL );
+    json_t *report = cli_read_json( "est.json" ), *sequence = json_array_get( json_object_get( report, "sequences" ), 0 );
+    assert_true( fabs( figure( sequence, "relmse_estimate" ) / told - 1.0 ) < 1e-3 );
+    json_decref( report );
+    const CliResult* done = cli_run( "$R flicker est/f.##.exr --json -" );
+    cli_expect( done, 0, NULL );
+    assert_non_null( strstr( done->out, "\"error_from\": null" ) );
+}
+
 TEST( test_resume_knows_the_denoiser )
 {
     cli_expect( cli_run( RENDER "-o res.##.exr --frames 1-2 --spp 4 --group 0 --denoise " BOX ), 0, NULL );

@@ -128,6 +128,11 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
                  result->relmse_estimate, result->relmse_likely, 100.0 * result->worst_ten_share );
     else if ( isfinite( result->relmse_estimate ) )
         fprintf( stderr, "  noise %s (relMSE %.3g)", noise, result->relmse_estimate );
+    if ( result->denoised != NULL && isfinite( result->denoised->denoised.relmse ) )
+    {
+        rf_format_noise( fmax( result->denoised->denoised.relmse, 0.0 ), noise );
+        fprintf( stderr, "  denoised %s (relMSE %.3g)", noise, result->denoised->denoised.relmse );
+    }
     if ( result->flicker_is_lower_bound )
         fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
     else if ( isgreater( result->flicker_estimate, 0.0 ) )

@@ -189,6 +189,7 @@ static void take_string( void* user, const char* name, const char* value )
         " type name reframe/frame reframe/frames reframe/shot reframe/step reframe/effects reframe/calls-for reframe/fingerprint "
         "reframe/checksum reframe/relmse-estimate reframe/relmse-is-lower-bound reframe/relmse-likely reframe/worst-ten-share "
         "reframe/flicker-estimate reframe/flicker-is-lower-bound reframe/flicker-likely reframe/flicker-worst-ten-share "
+        "reframe/denoised-relmse reframe/denoised-relmse-low reframe/denoised-relmse-high "
         "reframe/reached reframe/native-spp reframe/effective-spp reframe/clipped-pixels ";
     Strings* strings = user;
     bool is_own = strncmp( name, own, sizeof own - 1 ) == 0;

@@ -8,6 +8,7 @@
 #include "image/exr.h"
 #include "image/sequence.h"
 #include "measure/flicker_sequence.h"
+#include "output/frame_file.h"
 
 #include <libgen.h>
 #include <math.h>
@@ -465,6 +466,11 @@ static void take_said( const RfPageSequence* sequence, int number, const char* p
         *numbers[i].value = rf_json_number_of( said, numbers[i].key );
         if ( isnan( *numbers[i].value ) && numbers[i].attribute != NULL )
             *numbers[i].value = rf_read_exr_number( path, numbers[i].attribute );
+    }
+    if ( rf_is_denoised( path ) ) // whose own error is another
+    {
+        figures->relmse = rf_read_exr_number( path, "reframe/denoised-relmse" );
+        return;
     }
     figures->at_least =
         json_is_true( json_object_get( said, "relmse_is_lower_bound" ) ) ||
