@@ -14,6 +14,7 @@
 #define SIDE 16          // of a block, pixels: what rooks16 correlates lies within one
 #define NEAR 1.0         // standard deviation of the weights of the blocks around one, in blocks
 #define WIDE 4.0         // and of those of a wider neighbourhood,
+#define REACH 12         // of which so many count, to each side
 #define WIDE_SHARE 0.1   // which count so much
 #define LEAST_PASSES 4.0 // two in each half
 #define T_95 1.96
@@ -41,6 +42,7 @@ typedef struct Work
     double* below;     // of the squared errors
     float* layer;      // a layer denoised
     Block* blocks;
+    double counts[REACH + 1][REACH + 1]; // weights of blocks by their distance
 } Work;
 
 static void destroy( Work* w )
@@ -217,23 +219,32 @@ static void sum_block( const Work* w, int b )
     }
 }
 
+static void list_counts( Work* w )
+{
+    for ( int k = 0; k < ( REACH + 1 ) * ( REACH + 1 ); ++k )
+    {
+        int x = k % ( REACH + 1 ), y = k / ( REACH + 1 );
+        double square = x * x + y * y;
+        w->counts[y][x] = exp( -0.5 * square / ( NEAR * NEAR ) ) + WIDE_SHARE * exp( -0.5 * square / ( WIDE * WIDE ) );
+    }
+}
+
 static double quotient( double gain, double step ) { return step > 0.0 ? fmin( fmax( gain / step, 0.0 ), 1.0 ) : gain > 0.0; }
 
 // The weight of the denoised picture in a block from those around it, with and without its own.
 static void weigh_block( const Work* w, int b )
 {
     double gain[2] = { 0.0 }, step[2] = { 0.0 };
-    int column = b % w->columns, row = b / w->columns, reach = (int)( 3.0 * WIDE );
-    for ( int y = row - reach; y <= row + reach; ++y )
+    int column = b % w->columns, row = b / w->columns;
+    for ( int y = row - REACH; y <= row + REACH; ++y )
     {
-        for ( int x = column - reach; x <= column + reach; ++x )
+        for ( int x = column - REACH; x <= column + REACH; ++x )
         {
             if ( x < 0 || x >= w->columns || y < 0 || y >= w->rows )
                 continue;
             const Block* other = w->blocks + y * w->columns + x;
-            double square = ( x - column ) * ( x - column ) + ( y - row ) * ( y - row );
-            double weight = exp( -0.5 * square / ( NEAR * NEAR ) ) + WIDE_SHARE * exp( -0.5 * square / ( WIDE * WIDE ) );
-            for ( int k = 0; k < 2 - ( square == 0.0 ); ++k )
+            double weight = w->counts[abs( y - row )][abs( x - column )];
+            for ( int k = 0; k < 2 - ( x == column && y == row ); ++k )
             {
                 gain[k] += weight * other->gain;
                 step[k] += weight * other->step;
@@ -332,6 +343,7 @@ static RfResult conclude( Work* w, RfDenoised* out, RfDenoisedSums* sums, RfErro
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the error of a frame" );
     for ( int b = 0; b < count; ++b )
         sum_block( w, b );
+    list_counts( w );
     for ( int b = 0; b < count; ++b )
         weigh_block( w, b );
     bool helps = does_help( w );
