@@ -98,6 +98,7 @@ static void pad( const float* rgb, int width, int height, float* padded )
 #pragma omp parallel for schedule( static )
     for ( int y = 0; y < high; ++y )
     {
+        rf_set_float_mode();
         const float* row = rgb + 3 * (size_t)width * (size_t)mirrored( y - MARGIN, height );
         float* to = padded + 3 * (size_t)wide * (size_t)y;
         for ( int x = 0; x < wide; ++x )
