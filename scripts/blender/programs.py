@@ -114,13 +114,13 @@ def said_by(command):
 
 
 def check_options(program, options, folder):
-    """Finds what is wrong with the program or its options before the export, which may take long: `render` looks at all options before
-    it opens the scene."""
+    """Finds what is wrong with the program or its options before the export, which may take long: `render` looks at all options, and
+    for the denoiser, before it opens the scene."""
     if re.match(r"reframe [\d.]+", said_by([program, "--version"])[1]) is None:
         raise Failed("%s: is not the program reframe: give its path in the preferences of this add-on" % program)
     scene, frames = os.path.join(folder, "no such scene.glb"), os.path.join(folder, "frame.####.exr")
     status, text = said_by([program, "render", scene, "-o", frames, "--overwrite", *options])
-    if status == 2:
+    if status is not None and scene not in text:
         raise Failed(SAID.sub("", text))
 
 

@@ -32,8 +32,9 @@ typedef struct Job
     bool overwrite, quiet;
     RfDenoiser* denoiser;
     RfDenoisedSums sums;
-    double noisy;  // sum over the frames
-    int no_halves; // frames whose error is not known
+    int width, height; // of the first frame
+    double noisy;      // sum over the frames
+    int no_halves;     // frames whose error is not known
     double seconds;
     json_t *rows, *warnings;
     RfLog* log;
@@ -240,6 +241,11 @@ static RfResult denoise_frame( Job* job, int number, RfError* error )
     RfResult result = rf_sequence_input_name( &job->input, number, path, error );
     if ( result == RF_OK )
         result = read_frame( path, frame, error );
+    job->width = job->width > 0 ? job->width : frame->image.width;
+    job->height = job->height > 0 ? job->height : frame->image.height;
+    if ( result == RF_OK && ( frame->image.width != job->width || frame->image.height != job->height ) )
+        result = rf_fail( error, RF_ERROR_FORMAT, "%s: has %dx%d pixels, but the first frame %dx%d: denoise them one by one",
+                          path, frame->image.width, frame->image.height, job->width, job->height );
     size_t size = 3 * sizeof( float ) * (size_t)frame->image.width * (size_t)frame->image.height;
     float* noisy = result == RF_OK ? malloc( size ) : NULL;
     if ( result == RF_OK && noisy == NULL )

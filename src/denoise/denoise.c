@@ -145,8 +145,7 @@ static float exposure_of( const Work* w )
         {
             for ( int x = left; x < left + SIDE && x < frame->width; ++x )
             {
-                double grey = rf_mean_of_channels( w->rgb + 3 * ( (size_t)y * (size_t)frame->width + (size_t)x ) );
-                light += grey;
+                light += rf_mean_of_channels( w->rgb + 3 * ( (size_t)y * (size_t)frame->width + (size_t)x ) );
                 ++pixels;
             }
         }
@@ -256,21 +255,18 @@ static void weigh_block( const Work* w, int b )
     w->blocks[b].others = quotient( gain[1], step[1] );
 }
 
-// What a block's error is less with a weight.
+// By how much a weight lowers the error of a block.
 static double saved( const Block* b, double weight ) { return weight * ( 2.0 * b->gain - weight * b->step ); }
-
-// The sum over parts of the picture of 2 by 2 blocks, by `value`.
-typedef double ValueFn( const Block* block );
-static double error_left( const Block* b ) { return b->noisy - saved( b, b->others ); }
 
 static int part_of( const Work* w, int b ) { return b / w->columns / 2 * ( ( w->columns + 1 ) / 2 ) + b % w->columns / 2; }
 
 static int part_count( const Work* w ) { return ( ( w->columns + 1 ) / 2 ) * ( ( w->rows + 1 ) / 2 ); }
 
-static void sum_parts( const Work* w, ValueFn* value, double* parts )
+// Sums the error of the blend, with weights from other blocks, over parts of 2 by 2 blocks.
+static void sum_parts( const Work* w, double* parts )
 {
     for ( int b = 0; b < w->columns * w->rows; ++b )
-        parts[part_of( w, b )] += value( w->blocks + b );
+        parts[part_of( w, b )] += w->blocks[b].noisy - saved( w->blocks + b, w->blocks[b].others );
 }
 
 // Whether most blocks gain, in proportion to their noise: a mean that could not be so much above 0 by chance.
@@ -350,7 +346,7 @@ static RfResult conclude( Work* w, RfDenoised* out, RfDenoisedSums* sums, RfErro
     bool helps = does_help( w );
     for ( int b = 0; b < count && !helps; ++b )
         w->blocks[b].weight = w->blocks[b].others = 0.0;
-    sum_parts( w, error_left, parts );
+    sum_parts( w, parts );
     RfResult result = RF_OK;
     if ( w->frame->passes >= LEAST_PASSES && w->unknown == 0 )
     {

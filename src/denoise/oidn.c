@@ -2,6 +2,7 @@
 #define _GNU_SOURCE // dladdr
 #include "denoise/oidn.h"
 
+#include "base/remedy.h"
 #include "base/try.h"
 
 #include <dlfcn.h>
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // Of the interface of version 2.
 enum
@@ -98,16 +100,20 @@ static RfResult find_library( const char* name, void** library, RfError* error )
                *cache = getenv( "XDG_CACHE_HOME" );
     if ( asked != NULL && asked[0] != '\0' )
     {
-        *library = dlopen( asked, RTLD_NOW | RTLD_LOCAL );
+        char path[4096]; // a name without a folder is that of a file here, before one of the system
+        snprintf( path, sizeof path, "%s%s", strchr( asked, '/' ) == NULL && access( asked, R_OK ) == 0 ? "./" : "", asked );
+        *library = dlopen( path, RTLD_NOW | RTLD_LOCAL );
         return *library != NULL ? RF_OK
-                                : rf_fail( error, RF_ERROR_UNSUPPORTED, "%.300s: cannot be loaded: %.500s", asked, dlerror() );
+                                : rf_fail( error, RF_ERROR_UNSUPPORTED, "the denoiser cannot be loaded: %.800s", dlerror() );
     }
     *library = dlopen( "libOpenImageDenoise.so.2", RTLD_NOW | RTLD_LOCAL );
     if ( *library == NULL && cache != NULL )
         *library = open_place( s_cached, cache );
     for ( size_t i = 0; i < sizeof s_places / sizeof s_places[0] && *library == NULL; ++i )
         *library = open_place( s_places[i], home != NULL ? home : "" );
-    return *library != NULL ? RF_OK : rf_fail( error, RF_ERROR_UNSUPPORTED, "Open Image Denoise 2 was not found" );
+    if ( *library != NULL )
+        return RF_OK;
+    return rf_advise( rf_fail( error, RF_ERROR_UNSUPPORTED, "Open Image Denoise 2 is not there" ), RF_REMEDY_DENOISER, 0, error );
 }
 
 static RfResult check_device( const RfDenoiser* d, RfError* error )

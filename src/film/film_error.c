@@ -61,7 +61,7 @@ typedef struct Sum
     Term worst[RF_LISTED_SPECKS]; // descending
 } Sum;
 
-// A picture and its halves: those of a film, or without one pictures too.
+// A picture and its halves, from a film, or with NULL for it as pictures.
 typedef struct Halves
 {
     int width, height;
@@ -73,7 +73,6 @@ typedef struct Halves
 
 static Pixel load_pixel( const Halves* from, size_t i )
 {
-    RfFilmPixel p = { 0 };
     Pixel pixel = { .value = rf_mean_of_channels( from->rgb + 3 * i ) };
     if ( from->film == NULL )
     {
@@ -81,11 +80,10 @@ static Pixel load_pixel( const Halves* from, size_t i )
             pixel.half[h] = rf_mean_of_channels( from->half[h] + 3 * i );
         return pixel;
     }
-    p = rf_film_pixel( from->film, i );
+    RfFilmPixel p = rf_film_pixel( from->film, i );
     for ( int c = 0; c < 3; ++c )
     {
-        RfNormalize normalize = from->normalize;
-        double a = rf_film_half_value( &p, normalize, 0, c ), b = rf_film_half_value( &p, normalize, 1, c );
+        double a = rf_film_half_value( &p, from->normalize, 0, c ), b = rf_film_half_value( &p, from->normalize, 1, c );
         pixel.half[0] += a / 3.0;
         pixel.half[1] += b / 3.0;
         pixel.error += ( a - b ) * ( a - b );

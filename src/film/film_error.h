@@ -60,7 +60,7 @@ static inline double rf_prudent_relmse( const RfRelmse* r )
 // of them is empty. How often it holds is in src/render/README.md.
 RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const float* rgb );
 
-// What the squared errors of all pixels of a picture are divided by there, from the picture and its halves: 3 floats per pixel.
+// The denominators of this estimate for all pixels, from a picture and its halves, of 3 floats per pixel.
 void rf_likely_denominators( int width, int height, const float* rgb, const float* half_a, const float* half_b, double* below );
 
 // Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames

@@ -1,11 +1,10 @@
 // Denoises a finished frame, with the layers that add up to its picture.
 #include "base/try.h"
 #include "output/frame_file.h"
+#include "scene/light_groups.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-#define MOST_LAYERS 128
 
 // Copies an image of three channels to where layer `i` is denoised.
 static float* copy_image( RfDenoisedFrame* to, int i, const float* rgb )
@@ -45,13 +44,13 @@ static int list_layers( const RfFrameResult* frame, RfDenoisedFrame* out, RfNois
 RfResult rf_denoise_frame( RfDenoiser* denoiser, const RfFrameResult* frame, RfDenoisedSums* sums, RfDenoisedFrame* out,
                            RfError* error )
 {
-    RfNoisyLayer list[MOST_LAYERS];
+    RfNoisyLayer list[RF_LIGHT_GROUPS_MOST + RF_AOV_COUNT];
     size_t image = 3 * (size_t)frame->width * (size_t)frame->height * sizeof( float );
     int most = 1 + frame->layer_count + __builtin_popcount( RF_PASS_AOVS );
     *out = ( RfDenoisedFrame ){ .frame = *frame,
                                 .layers = malloc( (size_t)( frame->layer_count + 1 ) * sizeof *out->layers ),
                                 .pixels = malloc( (size_t)most * image ) };
-    if ( out->layers == NULL || out->pixels == NULL || most > MOST_LAYERS )
+    if ( out->layers == NULL || out->pixels == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d denoised layers of %dx%d pixels", most, frame->width,
                         frame->height );
     const RfNoisyFrame noisy = { .width = frame->width,

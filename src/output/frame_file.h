@@ -94,7 +94,6 @@ const char* rf_key_name( RfKey key );
 // Whether a file's picture has been denoised: then the estimates of relMSE and variance in it are those of the layer `noisy`.
 bool rf_is_denoised( const char* path );
 
-#define RF_LIGHT_LAYER "light_"  // begins the name of a light group's
 #define RF_NOISY_LAYER "noisy"   // of a frame that has been denoised: the picture before
 #define RF_COLOUR_LAYER "colour" // in RF_KEY_CLIPPED_LAYERS: R, G and B, whatever they are called
 

@@ -91,7 +91,6 @@ static const Row s_rows[] = {
 };
 
 #define ROWS ( sizeof s_rows / sizeof s_rows[0] )
-#define LIGHT "light_"
 #define BLENDER_LIGHT "Combined_"
 
 static bool is_blender( RfPassNames names ) { return names == RF_NAMES_BLENDER || names == RF_NAMES_BLENDER_5; }
@@ -112,8 +111,8 @@ static const Row* find_row( const char* pass )
 static void put_blender_layer( RfPassNames names, const char* pass, char name[RF_PASS_CHANNEL_SIZE] )
 {
     const Row* row = find_row( pass );
-    bool light = row == NULL && begins( pass, LIGHT );
-    const char* own = row == NULL                                             ? ( light ? pass + strlen( LIGHT ) : pass )
+    bool light = row == NULL && begins( pass, RF_LIGHT_LAYER );
+    const char* own = row == NULL                                             ? ( light ? pass + strlen( RF_LIGHT_LAYER ) : pass )
                       : names == RF_NAMES_BLENDER_5 && row->blender_5 != NULL ? row->blender_5
                                                                               : row->blender;
     size_t begin = strlen( RF_BLENDER_LAYER "." );

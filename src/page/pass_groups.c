@@ -2,7 +2,6 @@
 #include "page/pass_groups.h"
 
 #include "film/aov.h"
-#include "output/frame_file.h"
 #include "output/names.h"
 
 #include <jansson.h>
@@ -135,7 +134,6 @@ static bool is_albedo( const char* name )
     return length >= end && strcmp( name + length - end, word ) == 0;
 }
 
-#define GROUP RF_LIGHT_LAYER
 #define BLENDER_GROUP "Combined_"
 #define NUKE_MOTION "backward" // of the previous frame; the next is "forward"
 #define CRYPTO "Crypto"
@@ -236,10 +234,10 @@ static bool place_channel( const RfExrHeader* header, const RfExrName* channel, 
     if ( place->order < RF_AOV_COUNT )
         snprintf( place->name, sizeof place->name, "%s", rf_aov_name( (RfAov)place->order ) );
     else if ( strncmp( word, BLENDER_GROUP, strlen( BLENDER_GROUP ) ) == 0 )
-        snprintf( place->name, sizeof place->name, GROUP "%.200s", word + strlen( BLENDER_GROUP ) );
+        snprintf( place->name, sizeof place->name, RF_LIGHT_LAYER "%.200s", word + strlen( BLENDER_GROUP ) );
     else
         snprintf( place->name, sizeof place->name, "%s", place->letter >= 0 ? word : place->layer );
-    if ( strncmp( place->name, GROUP, strlen( GROUP ) ) == 0 )
+    if ( strncmp( place->name, RF_LIGHT_LAYER, strlen( RF_LIGHT_LAYER ) ) == 0 )
         place->order = RF_AOV_COUNT;
     place->rank = cut_rank( place->name );
     return true;

@@ -39,6 +39,7 @@ typedef enum RfRemedy
     RF_REMEDY_FRAMES,          // a choice of frames that both of two sequences have
     RF_REMEDY_OVERWRITE,       // permission to replace a file that is there
     RF_REMEDY_CONVERT_MEMORY,  // a larger RfConvertOptions.memory
+    RF_REMEDY_DENOISER,        // the library of rf_open_denoiser
     RF_REMEDY_CONVERT_SECONDS, // a larger RfConvertOptions.seconds
 } RfRemedy;
 

@@ -106,6 +106,8 @@ typedef struct RfSpecks
     RfSpeckPart parts[RF_MAX_SPECK_PARTS]; // by share, descending
 } RfSpecks;
 
+#define RF_LIGHT_LAYER "light_" // begins the name of a light group's layer
+
 // A pass of a frame that only this render has, such as a light group: channels of their own in a file, NAME.LETTER.
 typedef struct RfLayer
 {

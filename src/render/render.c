@@ -13,8 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GROUP_LAYER "light_" // begins the names of the groups' layers
-
 // Never a matter of which frames are asked for.
 static RfResult choose_group( const RfShot* shot, RfRenderSettings* settings, RfError* error )
 {
@@ -144,12 +142,12 @@ static RfResult split_light( RfRenderSetup* setup, RfError* error )
         rf_find_light_groups( rf_tracer_scene( shot->tracer ), setup->settings.light_groups, &setup->groups, error );
     for ( int g = 0; g < setup->groups.count && result == RF_OK; ++g )
     {
-        size_t size = sizeof GROUP_LAYER + strlen( setup->groups.names[g] );
+        size_t size = sizeof RF_LIGHT_LAYER + strlen( setup->groups.names[g] );
         setup->group_names[g] = malloc( size );
         if ( setup->group_names[g] == NULL )
             result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the names of light groups" );
         else
-            snprintf( setup->group_names[g], size, GROUP_LAYER "%s", setup->groups.names[g] );
+            snprintf( setup->group_names[g], size, RF_LIGHT_LAYER "%s", setup->groups.names[g] );
     }
     if ( result == RF_OK && setup->groups.count > 0 )
         result = rf_create_split_tracer( shot->tracer, &setup->groups, &setup->split, error );

@@ -199,17 +199,26 @@ TEST( test_bad_input_is_one_line )
     cli_expect( cli_run( "$R denoise bad.exr -o bad.exr " BOX ), 2, "bad.exr: would overwrite an input" );
     cli_expect( cli_run( "$R denoise bad.exr -o ./bad.exr " BOX ), 2, "would overwrite an input" );
     cli_expect( cli_run( "$R denoise none.exr -o x.exr " BOX ), 1, "none.exr: " );
-    cli_expect( cli_run( "$R denoise bad.exr -o x.exr --denoiser none.so" ), 1, "none.so: cannot be loaded" );
+    cli_expect( cli_run( "$R denoise bad.exr -o x.exr --denoiser none.so" ), 1, "the denoiser cannot be loaded: none.so: " );
     cli_expect( cli_run( "FAKE_OIDN=old $R denoise bad.exr -o x.exr " BOX ), 1, "is Open Image Denoise 1.4, but 2.0 or later" );
     cli_expect( cli_run( "FAKE_OIDN=fail $R denoise bad.exr -o x.exr " BOX ), 1, "Open Image Denoise: it has no memory" );
     assert_false( cli_exists( "x.exr" ) );
     cli_expect( cli_run( "$R denoise bad.exr -o x.exr --quiet " BOX ), 0, NULL );
     cli_expect( cli_run( "$R denoise bad.exr -o x.exr " BOX ), 1, "x.exr: already exists: --overwrite replaces it" );
+    cli_expect(
+        cli_run( RENDER "-o s.1.exr --frames 1 --spp 4 --group 0 --aov half; " LARGE "-o s.2.exr --frames 2 --spp 4 --group 0" ),
+        0, NULL );
+    cli_expect( cli_run( "$R denoise s.#.exr -o sizes --quiet " BOX ), 1,
+                "s.2.exr: has 128x72 pixels, but the first frame 64x36" );
+    // a system may have a library of its own
+    if ( cli_run( "HOME=/none XDG_CACHE_HOME=/none REFRAME_OIDN= $R denoise bad.exr -o o.exr --quiet" )->status != 0 )
+        cli_expect( cli_run( "HOME=/none XDG_CACHE_HOME=/none REFRAME_OIDN= $R denoise bad.exr -o o.exr" ), 1,
+                    "Open Image Denoise 2 is not there: get it by scripts/install-packages --denoiser, or name its library" );
     cli_expect( cli_run( "head -c 20000 bad.exr > cut.exr; $R denoise cut.exr -o y.exr " BOX ), 1, "cut.exr: " );
     assert_false( cli_exists( "y.exr" ) );
     cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --estimator gradient " BOX ), 2,
                 "the estimator 'gradient' has no half AOV" );
-    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --denoiser none.so" ), 1, "none.so: cannot be loaded" );
+    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --denoiser none.so" ), 1, "the denoiser cannot be loaded: none.so: " );
     assert_false( cli_exists( "g.exr" ) );
 }
 

@@ -230,12 +230,12 @@ static void expect_refused( const char* library, const char* fake, const char* w
 
 TEST( test_other_libraries_are_refused )
 {
-    expect_refused( "/no/such.so", "", "/no/such.so: cannot be loaded: " );
-    expect_refused( REFRAME_SOURCE_DIR "/README.md", "", "README.md: cannot be loaded: " );
+    expect_refused( "/no/such.so", "", "the denoiser cannot be loaded: /no/such.so: " );
+    expect_refused( REFRAME_SOURCE_DIR "/README.md", "", "README.md: " );
     expect_refused( "libm.so.6", "", "no Open Image Denoise 2: it lacks oidnNewDevice" );
     expect_refused( REFRAME_BOX_DENOISER, "old", "is Open Image Denoise 1.4, but 2.0 or later is needed" );
     setenv( "REFRAME_OIDN", "/no/other.so", 1 );
-    expect_refused( NULL, "", "/no/other.so: cannot be loaded: " );
+    expect_refused( NULL, "", "cannot be loaded: /no/other.so: " );
     unsetenv( "REFRAME_OIDN" );
 }
 

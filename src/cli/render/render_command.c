@@ -336,13 +336,25 @@ static void print_losses( const RfRenderJob* job )
                  scene->export_warning_count == 1 ? "" : "s" );
 }
 
+// Before the scene, which may take long, unless it is the scene's file that asks for it.
+static RfResult open_denoiser( RfRenderJob* job, RfError* error )
+{
+    if ( job->options.denoise && job->denoiser == NULL )
+        RF_TRY( rf_open_denoiser( job->options.denoiser, job->options.settings.threads, &job->denoiser, error ) );
+    job->options.settings.files.denoiser = job->denoiser != NULL ? rf_denoiser_name( job->denoiser ) : NULL;
+    return RF_OK;
+}
+
 static RfResult load_scene( RfRenderJob* job, RfError* error )
 {
+    RF_TRY( open_denoiser( job, error ) );
     RF_TRY( rf_open_scene_file( job->options.scene, &job->file, error ) );
     RfField defaults = rf_scene_file_defaults( &job->file, error );
     RfResult result = RF_OK;
     if ( defaults.json != NULL )
         result = rf_parse_render_options_over( &defaults, job->argc, job->argv, &job->options, error );
+    if ( result == RF_OK )
+        result = open_denoiser( job, error );
     if ( result == RF_OK )
         result = rf_load_scene_file( &job->file, &job->options.movement, &job->scene, &job->log, error );
     if ( result == RF_OK && !job->options.check )
@@ -386,9 +398,6 @@ static RfResult load_render_job( RfRenderJob* job, RfError* error )
     int asked_count = job->frame_count;
     job->kept = malloc( (size_t)asked_count * sizeof( int ) );
     RF_TRY( job->kept != NULL ? find_runs( job, error ) : fail_numbers( job, error ) );
-    if ( job->options.denoise )
-        RF_TRY( rf_open_denoiser( job->options.denoiser, job->options.settings.threads, &job->denoiser, error ) );
-    job->options.settings.files.denoiser = job->denoiser != NULL ? rf_denoiser_name( job->denoiser ) : NULL;
     RF_TRY( rf_create_tracer_by( job->options.settings.threads, &job->scene, &job->tracer, error ) );
     RF_TRY( resolve( job, error ) );
     list_effects( job );

@@ -584,6 +584,12 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
                  : s->clamp == 0.0         ? json_string( "off" )
                                            : rf_json_number( s->clamp ),
                  "clamp_chains", s->clamp_chains > 0.0 ? rf_json_number( s->clamp_chains ) : NULL );
+    if ( job->denoiser != NULL )
+    {
+        RfErrorEstimate mean = rf_denoised_error( &job->denoised );
+        json_t* denoised = rf_denoised_json( job->noisy_sum / job->denoised.frames, &mean );
+        rf_json_add( json, "{s:o}", "denoised", rf_json_add( denoised, "{s:s}", "denoiser", rf_denoiser_name( job->denoiser ) ) );
+    }
     if ( s->noise > 0.0 )
         rf_json_add( json, "{s:{s:f, s:i}}", "noise", "wanted", s->noise, "missed", stats->missed );
     if ( s->flicker > 0.0 )
