@@ -218,7 +218,8 @@ TEST( test_bad_input_is_one_line )
     assert_false( cli_exists( "y.exr" ) );
     cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --estimator gradient " BOX ), 2,
                 "the estimator 'gradient' has no half AOV" );
-    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --denoiser none.so" ), 1, "the denoiser cannot be loaded: none.so: " );
+    cli_expect( cli_run( RENDER "-o g.exr --frames 1 --spp 4 --denoise --denoiser none.so" ), 1,
+                "the denoiser cannot be loaded: none.so: " );
     assert_false( cli_exists( "g.exr" ) );
 }
 
