@@ -10,23 +10,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MARGIN 32        // mirrored pixels around what the network sees
-#define SIDE 16          // of a block, pixels: what rooks16 correlates lies within one
-#define NEAR 1.0         // standard deviation of the weights of the blocks around one, in blocks
-#define WIDE 4.0         // and of those of a wider neighbourhood,
-#define REACH 12         // of which so many count, to each side
-#define WIDE_SHARE 0.1   // which count so much
-#define LEAST_PASSES 4.0 // two in each half
+#define MARGIN 32      // mirrored pixels around what the network sees
+#define SIDE 16        // of a block, pixels: what rooks16 correlates lies within one
+#define NEAR 1.0       // standard deviation of the weights of the blocks around one, in blocks
+#define WIDE 4.0       // and of those of a wider neighbourhood,
+#define REACH 12       // of which so many count, to each side
+#define WIDE_SHARE 0.1 // which count so much
 #define T_95 1.96
+#define LEAST_EXPONENT 0.25
 #define FEW 10.0 // parts that an interval must not hang on
 
 // What the halves tell of a block: errors are relative, summed over pixels and channels.
 typedef struct Block
 {
-    double noisy;          // V: of the picture
-    double gain;           // N: half of what a small weight w of the denoised picture takes off it
-    double step;           // Q: squared distance of the two
-    double weight, others; // w, and w from the other blocks alone
+    double noisy;                // V: of the picture
+    double gain;                 // N: half of what a small weight w of the denoised picture takes off it
+    double step;                 // Q: squared distance of the two
+    double weight, others;       // w, and w from the other blocks alone
+    double half_gain, half_step; // of the halves, likewise, in the mean of both
 } Block;
 
 typedef struct Work
@@ -211,9 +212,14 @@ static void sum_block( const Work* w, int b )
                 double d = scale * ( (double)w->half[0][3 * i + c] - (double)w->half[1][3 * i + c] );
                 double clean = scale * ( (double)w->clean[0][3 * i + c] - (double)w->clean[1][3 * i + c] );
                 double step = clean_value( w, i, c, share ) - (double)w->rgb[3 * i + c];
+                double apart = (double)w->half[1][3 * i + c] - (double)w->half[0][3 * i + c];
+                double first = (double)w->clean[0][3 * i + c] - (double)w->half[0][3 * i + c];
+                double second = (double)w->clean[1][3 * i + c] - (double)w->half[1][3 * i + c];
                 block->noisy += d * d / w->below[i];
                 block->gain += d * ( d - clean ) / w->below[i];
                 block->step += step * step / w->below[i];
+                block->half_gain += 0.5 * apart * ( first - second ) / w->below[i];
+                block->half_step += 0.5 * ( first * first + second * second ) / w->below[i];
             }
         }
     }
@@ -267,6 +273,20 @@ static void sum_parts( const Work* w, double* parts )
 {
     for ( int b = 0; b < w->columns * w->rows; ++b )
         parts[part_of( w, b )] += w->blocks[b].noisy - saved( w->blocks + b, w->blocks[b].others );
+}
+
+// The error of a half, blended like the picture, is twice the noise less what it gains (E23); that of the picture is
+// `relmse`. The exponent that this makes of twice the samples, within what denoised pictures have.
+static double exponent_of( const Work* w, double relmse )
+{
+    double half = 0.0;
+    for ( int b = 0; b < w->columns * w->rows; ++b )
+    {
+        const Block* k = w->blocks + b;
+        half += 2.0 * k->noisy - k->others * ( 2.0 * k->half_gain - k->others * k->half_step );
+    }
+    double q = half > 0.0 && relmse > 0.0 ? log2( half / relmse ) : 1.0;
+    return fmin( fmax( q, LEAST_EXPONENT ), 1.0 );
 }
 
 // Whether most blocks gain, in proportion to their noise: a mean that could not be so much above 0 by chance.
@@ -348,12 +368,13 @@ static RfResult conclude( Work* w, RfDenoised* out, RfDenoisedSums* sums, RfErro
         w->blocks[b].weight = w->blocks[b].others = 0.0;
     sum_parts( w, parts );
     RfResult result = RF_OK;
-    if ( w->frame->passes >= LEAST_PASSES && w->unknown == 0 )
+    if ( w->frame->passes >= RF_LEAST_DENOISED_PASSES && w->unknown == 0 )
     {
         out->noisy = 0.0;
         for ( int b = 0; b < count; ++b )
             out->noisy += scale * w->blocks[b].noisy;
         out->denoised = estimate( parts, part_count( w ), scale );
+        out->exponent = exponent_of( w, out->denoised.relmse / scale );
         result = add_to_sums( parts, part_count( w ), scale, sums, error );
     }
     free( parts );
@@ -444,7 +465,7 @@ RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb
                      RfError* error )
 {
     Work w;
-    *denoised = ( RfDenoised ){ .noisy = (double)NAN, .denoised = s_unknown };
+    *denoised = ( RfDenoised ){ .noisy = (double)NAN, .denoised = s_unknown, .exponent = (double)NAN };
     RfResult result = create( frame, &w, error );
     if ( result == RF_OK )
     {

@@ -33,6 +33,8 @@ typedef struct RfNoisyLayer
     bool is_raw; // false: it has been denoised before, and is only made to add up
 } RfNoisyLayer;
 
+#define RF_LEAST_DENOISED_PASSES 4 // two in each half: with less, the error is not known
+
 // What is known of a frame; NULL: not known.
 typedef struct RfNoisyFrame
 {
@@ -43,7 +45,7 @@ typedef struct RfNoisyFrame
     const float* normal; // RF_AOV_DENOISE_NORMAL
     int layer_count;
     const RfNoisyLayer* layers;
-    double passes; // of the frame: with less than 4, or no half, the error is not known
+    double passes; // of the frame: with less than RF_LEAST_DENOISED_PASSES, or no half, the error is not known
 } RfNoisyFrame;
 
 // Estimated relMSE (reframe/measure.h) of a picture, and its 95 % interval; NaN: not known. The estimate is unbiased, and may be
@@ -58,6 +60,7 @@ typedef struct RfDenoised
 {
     double noisy;             // relMSE of the picture before, by the same estimate
     RfErrorEstimate denoised; // of the picture after
+    double exponent;          // the error of the picture after falls as the samples to the power of -exponent; NaN: not known
     double share;             // of the denoised picture in it, mean over the pixels, 0 to 1: the rest is the noisy one
 } RfDenoised;
 

@@ -190,14 +190,25 @@ typedef struct RfPreview
 // with the same bits, for any number of threads. The caller sees to it that scene, path and settings are the same
 // (rf_frame_fingerprint). `save` failing ends the saving alone; `load` failing fails the render.
 //
+// With settings.noise, `judge` tells the error of what is made of a frame in work, such as its denoised picture, and the render
+// goes on until that or the relMSE of the frame itself is below. The frame has its picture, the AOVs for denoisers and `half`
+// as far as they were asked for, and the samples so far. It is called between passes, by the thread of rf_render.
+//
 // `saves` is asked after each chunk of batches whether the state is to be saved now, too, for a render that may be killed: the
 // state takes up to `bytes`. If so, all finished frames are handed over, `save` gets the state, and NULL at its end.
+typedef struct RfJudged
+{
+    double relmse;   // that the error hardly exceeds; NaN: not known
+    double exponent; // it falls as the samples to the power of -exponent: 1 for noise alone
+} RfJudged;
+
 typedef struct RfRenderCallbacks
 {
     void* user;
     RfResult ( *frame )( void* user, const RfFrameResult* result, RfError* error );
     bool ( *progress )( void* user, const RfProgress* progress );
     void ( *preview )( void* user, const RfPreview* preview );
+    RfJudged ( *judge )( void* user, const RfFrameResult* frame );
     RfResult ( *save )( void* user, const void* bytes, size_t size, RfError* error );
     bool ( *saves )( void* user, size_t bytes );
     RfResult ( *load )( void* user, void* bytes, size_t size, RfError* error );

@@ -6,6 +6,7 @@
 #include "render/adaptive/adaptive.h"
 #include "render/pieces.h"
 #include "render/specks.h"
+#include "render/stop/until.h"
 
 #include <math.h>
 #include <string.h>
@@ -54,16 +55,19 @@ void rf_open_films( RfRenderer* r, int number )
     }
 }
 
-static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
+static RfMissed note_finished( RfRenderer* r, RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
                                const RfFlicker* flicker )
 {
     double weight = film->weight[0] + film->weight[1];
+    bool judged = r->setup->callbacks.judge != NULL && r->setup->settings.noise > 0.0;
+    if ( judged && live->noise_seen != weight )
+        rf_estimate_noise( r, live ); // into the buffer that has the same picture already
     return rf_note_finished( &r->stop,
                              ( RfFrameNoise ){ .frame = live->frame,
                                                .pair = live->pair,
                                                .passes = film->passes[0] + film->passes[1],
                                                .weight = weight,
-                                               .noise = rf_prudent_relmse( relmse ) * weight,
+                                               .noise = judged ? live->noise : rf_prudent_relmse( relmse ) * weight,
                                                .flicker = rf_flicker_doubt( flicker ) * rf_flicker_f1_squared( flicker ) * weight,
                                                .seen = weight } );
 }
@@ -82,7 +86,7 @@ static RfFlicker take_flicker( RfRenderer* r, const RfLiveFilm* live )
     return flicker;
 }
 
-static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
+void rf_finish_aovs( const RfRenderer* r, const RfLiveFilm* live, unsigned aovs, RfFrameBuffer* buffer )
 {
     // what several films make up is divided by counts
     bool made = r->setup->settings.estimator->finish != NULL;
@@ -90,11 +94,14 @@ static void finish_aovs( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuf
     const RfFilm* pass = live->films + rf_first_pass_film( &r->setup->sizes );
     for ( int a = 0; a < RF_AOV_COUNT; ++a )
     {
-        buffer->result.aovs[a] = buffer->layers[a];
-        if ( buffer->layers[a] != NULL && ( RF_PASS_AOVS & RF_AOV_BIT( a ) ) != 0 )
-            rf_combine_part( live->films, pass++, normalize, buffer->layers[a] );
-        else if ( buffer->layers[a] != NULL && !( made && a == RF_AOV_VARIANCE ) )
-            rf_finish_aov( &live->aovs, (RfAov)a, live->films, normalize, buffer->layers[a] );
+        float* to = ( aovs & RF_AOV_BIT( a ) ) != 0 ? buffer->layers[a] : NULL;
+        bool splits = buffer->layers[a] != NULL && ( RF_PASS_AOVS & RF_AOV_BIT( a ) ) != 0;
+        buffer->result.aovs[a] = to;
+        if ( to != NULL && splits )
+            rf_combine_part( live->films, pass, normalize, to );
+        else if ( to != NULL && !( made && a == RF_AOV_VARIANCE ) )
+            rf_finish_aov( &live->aovs, (RfAov)a, live->films, normalize, to );
+        pass += splits;
     }
 }
 
@@ -112,6 +119,11 @@ static void finish_groups( const RfRenderer* r, const RfLiveFilm* live, RfFrameB
             ( RfLayer ){ .name = r->setup->group_names[g], .letters = "RGB", .values = buffer->groups[g], .half = true };
     }
     buffer->result.layer_count = count;
+}
+
+double rf_native_spp( const RfRenderer* r, const RfFilm* film )
+{
+    return film->passes[0] + film->passes[1] + (double)film->extra_samples / (double)rf_film_pixels( &r->setup->sizes );
 }
 
 // `shared` are the seconds that the frame has of those which its group took.
@@ -147,7 +159,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
         .flicker_is_lower_bound = rf_flicker_is_lower_bound( &flicker ),
         .flicker_likely = sqrt( fmax( rf_flicker_f1_squared( &flicker ), 0.0 * flicker.now ) ),
         .flicker_worst_ten_share = flicker.worst_share,
-        .native_spp = film->passes[0] + film->passes[1] + (double)film->extra_samples / pixels,
+        .native_spp = rf_native_spp( r, film ),
         .effective_spp = (double)film->landed / pixels,
     };
     rf_find_specks( r, live, &relmse.specks, &buffer->result.specks );
@@ -161,7 +173,7 @@ static RfResult finish_film( RfRenderer* r, RfLiveFilm* live, double shared, RfE
     r->last_flicker_is_lower_bound = buffer->result.flicker_is_lower_bound;
     r->last_relmse = buffer->result.relmse_estimate;
     r->last_is_lower_bound = relmse.is_lower_bound;
-    finish_aovs( r, live, buffer );
+    rf_finish_aovs( r, live, ~0u, buffer );
     finish_groups( r, live, buffer );
     rf_finish_surfaces( r, live, buffer );
     r->last_frame = now;

@@ -109,9 +109,11 @@ static RfResult render_sweeps( RfRenderer* r, RfError* error )
 static RfStop make_stop( const RfRenderSetup* setup )
 {
     const RfRenderSettings* settings = &setup->settings;
+    bool judged = settings->noise > 0.0 && setup->callbacks.judge != NULL;
     return rf_create_stop( &setup->plan, settings->spp,
                            &( RfStopGoals ){ .noise = settings->noise,
                                              .flicker = settings->flicker * settings->flicker,
+                                             .passes = judged ? RF_LEAST_DENOISED_PASSES : 0,
                                              .seconds = settings->time * setup->shot.frame_count } );
 }
 

@@ -70,6 +70,37 @@ TEST( test_render_keeps_the_noisy_picture )
     json_decref( json );
 }
 
+// Samples of the first frame.
+static double spp_of( const char* name )
+{
+    json_t* json = cli_read_json( name );
+    double spp = figure( json_array_get( json_object_get( json, "frames" ), 0 ), "native_spp" );
+    json_decref( json );
+    return spp;
+}
+
+// In groups of frames and without: by the upper end of what is told, or by the noise where that is less.
+TEST( test_noise_stops_by_the_denoised_error )
+{
+    for ( int group = 0; group < 2; ++group )
+    {
+        cli_expect( cli_run( LARGE "-o stop.##.exr --frames 1-3 --group %d --noise 0.01 --overwrite --denoise " BOX
+                                   " --json s.json",
+                             group ),
+                    0, NULL );
+        json_t *json = cli_read_json( "s.json" ), *rows = json_object_get( json, "frames" );
+        for ( size_t f = 0; f < 3; ++f )
+        {
+            const json_t* row = json_array_get( rows, f );
+            assert_true( json_is_true( json_object_get( row, "reached" ) ) );
+            assert_true( fmin( figure( json_object_get( row, "denoised" ), "high" ), figure( row, "relmse_likely" ) ) <= 0.01 );
+        }
+        json_decref( json );
+    }
+    const CliResult* few = cli_run( RENDER "-o cap.exr --frames 1 --group 0 --noise 1e-5 --spp 8 --denoise " BOX );
+    cli_expect( few, 0, "--noise: 0.18 % (relMSE 1e-05) not reached in 1 of 1 frames, frame 1 has up to " );
+}
+
 TEST( test_last_line_tells_both_errors )
 {
     const CliResult* done = cli_run( "$R render $VASE --size 64x36 -o line.exr --frames 1 --spp 8 --group 0 --denoise " BOX );
@@ -241,4 +272,8 @@ TEST( test_open_image_denoise_where_it_is )
     json_decref( json );
     cli_expect( cli_run( LARGE "-o real2.exr --frames 1 --spp 8 --group 0 --denoise --threads 1" ), 0, NULL );
     cli_expect( cli_run( "$R compare real.exr real2.exr" ), 0, NULL );
+#define UNTIL "$R render $VASE --size 320x180 --quiet --frames 1 --group 0 --tile 1 --noise 0.01 "
+    cli_expect( cli_run( UNTIL "-o less.exr --denoise --json less.json" ), 0, NULL );
+    cli_expect( cli_run( UNTIL "-o more.exr --filter box --json more.json" ), 0, NULL );
+    assert_true( spp_of( "less.json" ) < 0.5 * spp_of( "more.json" ) );
 }

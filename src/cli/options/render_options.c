@@ -363,7 +363,8 @@ static const RfOption s_options[] = {
     RF_MOVEMENT_OPTIONS( render_parse.options ),
     RF_STOP_OPTIONS(
         render_parse.options,
-        "render each frame until its estimated relMSE is at most E, or the noise of a channel in percent: 5.8% is relMSE 0.01",
+        "render each frame until its estimated relMSE is at most E, or the noise of a channel in percent: 5.8% is relMSE 0.01; "
+        "with --denoise, that of the denoised picture",
         "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
         "average time per frame: seconds, or 20s, 5m, 1h30m; with --noise or --flicker, whichever is reached first" ),
     RF_ADAPTIVE_OPTION( render_parse.options,

@@ -48,11 +48,14 @@ static void note_frame_error( RfFrameErrors* errors, const RfFrameResult* result
         errors->worst_pair = number;
     }
     note_solve( errors, result->solved, number );
-    if ( errors->frames > 1 && islessequal( result->relmse_likely, errors->worst_relmse ) )
+    double relmse = result->relmse_likely;
+    if ( result->denoised != NULL )
+        relmse = fmin( relmse, result->denoised->denoised.high );
+    if ( errors->frames > 1 && islessequal( relmse, errors->worst_relmse ) )
         return;
-    errors->worst_relmse = result->relmse_likely;
+    errors->worst_relmse = relmse;
     errors->worst_frame = number;
-    errors->worst_is_lower_bound = result->relmse_is_lower_bound;
+    errors->worst_is_lower_bound = result->denoised == NULL && result->relmse_is_lower_bound;
 }
 
 // Makes a frame that of the same picture as the one before it.
@@ -124,15 +127,16 @@ static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
 
 // Warns where --noise, --flicker or --time was not met.
 static void warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* settings, const RfRenderStats* stats,
-                          int frame_count, int run_count, RfLog* log )
+                          int frame_count, int run_count, bool denoised, RfLog* log )
 {
     char wanted[RF_NOISE_TEXT_SIZE], worst[RF_NOISE_TEXT_SIZE];
     rf_format_noise( settings->noise, wanted );
     rf_format_noise( errors->worst_relmse, worst );
     if ( stats->missed > 0 )
-        rf_warn( log, "--noise: %s (relMSE %.3g) not reached in %d of %d frames, frame %d %shas %s (relMSE %.3g): allow more %s",
+        rf_warn( log,
+                 "--noise: %s (relMSE %.3g) not reached in %d of %d frames, frame %d %shas %s%s (relMSE %.3g): allow more %s",
                  wanted, settings->noise, stats->missed, frame_count, errors->worst_frame,
-                 errors->worst_is_lower_bound ? "likely " : "", worst, errors->worst_relmse,
+                 errors->worst_is_lower_bound ? "likely " : "", denoised ? "up to " : "", worst, errors->worst_relmse,
                  settings->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( stats->flicker_missed > 0 )
         rf_warn( log, "--flicker %g: not reached in %d of %d frames, frames %d and %d have a likely F1 of %.3g: allow more %s",
@@ -507,12 +511,30 @@ static RfResult on_run( void* user, const RfFrameResult* run, RfError* error )
     RfDenoisedFrame clean;
     if ( job->denoiser == NULL )
         return write_run( job, run, error );
+    pthread_mutex_lock( &job->denoising );
     RfResult result = rf_denoise_frame( job->denoiser, run, &job->denoised, &clean, error );
+    pthread_mutex_unlock( &job->denoising );
     job->noisy_sum += result == RF_OK && isfinite( clean.denoised.noisy ) ? clean.denoised.noisy : 0.0;
     if ( result == RF_OK )
         result = write_run( job, &clean.frame, error );
     rf_free_denoised_frame( &clean );
     return result;
+}
+
+// What --noise stops by: the upper end of the interval.
+static RfJudged on_judge( void* user, const RfFrameResult* frame )
+{
+    RfRenderJob* job = user;
+    RfDenoisedFrame clean;
+    RfError error;
+    pthread_mutex_lock( &job->denoising );
+    RfResult result = rf_denoise_frame( job->denoiser, frame, NULL, &clean, &error );
+    if ( result != RF_OK && job->not_judged.code == RF_OK )
+        job->not_judged = error;
+    pthread_mutex_unlock( &job->denoising );
+    RfJudged judged = { result == RF_OK ? clean.denoised.denoised.high : (double)NAN, clean.denoised.exponent };
+    rf_free_denoised_frame( &clean );
+    return judged;
 }
 
 static bool on_progress( void* user, const RfProgress* progress )
@@ -522,7 +544,7 @@ static bool on_progress( void* user, const RfProgress* progress )
     rf_show_progress( &job->line, progress );
     pthread_mutex_unlock( &job->speech );
     rf_note_live_progress( &job->preview, progress );
-    return !rf_is_interrupted();
+    return !rf_is_interrupted() && job->not_judged.code == RF_OK;
 }
 
 static int first_frame_of_run( const RfRenderJob* job, int run )
@@ -653,6 +675,7 @@ static RfResult render( RfRenderJob* job, RfError* error )
     job->line = rf_create_progress_line( job->options.quiet );
     RfRenderCallbacks callbacks = { .user = job, .frame = on_run, .progress = on_progress, .save = on_save };
     callbacks.load = job->films != NULL ? on_load : NULL;
+    callbacks.judge = job->denoiser != NULL ? on_judge : NULL;
     job->autosave.interval = job->options.autosave;
     callbacks.saves = job->options.autosave > 0.0 ? on_saves : NULL;
     RfShot shot = shot_of( job );
@@ -661,6 +684,8 @@ static RfResult render( RfRenderJob* job, RfError* error )
     job->stats.missed = job->errors.missed; // of frames, not of runs
     job->stats.flicker_missed = job->errors.flicker_missed;
     rf_clear_progress( &job->line );
+    if ( result == RF_ERROR_INTERRUPTED && job->not_judged.code != RF_OK )
+        return *error = job->not_judged, job->not_judged.code;
     if ( result == RF_ERROR_INTERRUPTED )
         return fail_interrupted( job, error );
     if ( result == RF_ERROR_USAGE && job->films != NULL )
@@ -672,7 +697,8 @@ static RfResult render( RfRenderJob* job, RfError* error )
     if ( result == RF_OK )
         warn_of_solves( &job->errors, &job->log );
     if ( result == RF_OK )
-        warn_of_stop( &job->errors, &job->options.settings, &job->stats, job->frame_count, job->run_count, &job->log );
+        warn_of_stop( &job->errors, &job->options.settings, &job->stats, job->frame_count, job->run_count, job->denoiser != NULL,
+                      &job->log );
     return result;
 }
 
@@ -745,6 +771,7 @@ int rf_command_render( int argc, char** argv )
                         .argv = argv,
                         .reported = { "render", json_array() },
                         .speech = PTHREAD_MUTEX_INITIALIZER,
+                        .denoising = PTHREAD_MUTEX_INITIALIZER,
                         .start = rf_wall_seconds() };
     job.log = rf_keeping_log( &job.reported );
     RfResult result = rf_parse_render_options( argc, argv, &job.options, &help, &error );

@@ -75,6 +75,8 @@ typedef struct RfRenderJob
     RfAutosave autosave;
     RfLivePreview preview;
     RfDenoiser* denoiser; // with --denoise
+    pthread_mutex_t denoising;
+    RfError not_judged; // why a frame in work could not be denoised
     RfDenoisedSums denoised;
     double noisy_sum; // of relMSE before, of frames whose error is known
     json_t* frames_json;

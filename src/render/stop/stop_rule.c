@@ -92,15 +92,17 @@ double rf_late_flicker( const RfStopRule* rule, const RfFrameNoise* now, const R
 #define LEAST_PASSES 2 // one in each half: without both there is no estimate
 #define AIM 0.95       // of the wanted error: most frames are then below it at the first estimate
 
+int rf_passes_for( const RfStopGoals* goals ) { return goals->passes > 0 ? goals->passes : LEAST_PASSES; }
+
 RfStop rf_create_stop( const RfGroupPlan* plan, int most_spp, const RfStopGoals* goals )
 {
-    int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024;
+    int share = INT_MAX / plan->eyes < 1024 ? INT_MAX / plan->eyes : 1024, least = rf_passes_for( goals );
     return ( RfStop ){ .rule = {
                            .goals = *goals,
                            .plan = rf_plan_shots( plan->cameras, plan->frames, plan->eyes / 2, share * plan->eyes ),
                            .scale = share,
                            .most = (double)most_spp / plan->eyes,
-                           .least = (double)LEAST_PASSES / plan->eyes,
+                           .least = (double)least / plan->eyes,
                        } };
 }
 
@@ -279,7 +281,8 @@ static double trusted_passes( const RfStop* stop, const RfNoiseEstimates* look )
         most = is_known( stop, look->frames + i ) && look->frames[i].passes > most ? look->frames[i].passes : most;
     for ( int i = 0; i < stop->finished_count && i < RF_STOP_HISTORY; ++i )
         most = stop->finished[i].passes > most ? stop->finished[i].passes : most;
-    return look->done + ( most > LEAST_PASSES ? most : LEAST_PASSES );
+    int least = rf_passes_for( &stop->rule.goals );
+    return look->done + ( most > least ? most : least );
 }
 
 // What is wanted by the estimates, before it is known how far they can be trusted.
@@ -301,7 +304,7 @@ static double due_by_time( RfStop* stop, const RfNoiseEstimates* look, int done,
     return share > 0.0 ? ( left + done * eyes ) / ( eyes + stop->units_left / share ) : 0.0;
 }
 
-// A frame that ends here with a half of its film empty, or whose flicker is unknown as the film of the next one has an empty half.
+// A frame that ends here with too few passes for an estimate, or whose flicker is unknown as the film of the next one has an empty half.
 static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int done )
 {
     for ( int i = 0; i < look->count; ++i )
@@ -311,7 +314,7 @@ static bool is_too_few( const RfStop* stop, const RfNoiseEstimates* look, int do
         bool paired = stop->rule.goals.flicker > 0.0 && i + 1 < look->count &&
                       look->frames[i + 1].frame == look->frames[i].frame + 1 && look->frames[i + 1].passes < passes;
         passes = paired ? look->frames[i + 1].passes : passes;
-        if ( last == look->group && passes + done - look->done < LEAST_PASSES )
+        if ( last == look->group && passes + done - look->done < rf_passes_for( &stop->rule.goals ) )
             return true;
     }
     return false;

@@ -13,6 +13,8 @@
 // lucky draw seldom deceives both, and each check comes after more passes than the one
 // before, by a thirtieth or more.
 //
+// Where another error is stopped by that falls as W^−q, as that of a denoised picture, v = E W (error / E)^(1/q).
+//
 // For a flicker F: F1² of a pair of frames falls as 1 / W as well, so v = F1² · W with F² in the place of E. It must be
 // the F1 of the finished pair (src/reuse/estimators.md, section 17): the earlier frame is finished before the later one, and passes that the later
 // one alone gets do not help. Passes are spread more evenly then: due_to_be_even in
@@ -35,7 +37,10 @@ typedef struct RfStopGoals
     double noise;   // relMSE that every frame is to come below
     double flicker; // F1² that every pair is to come below
     double seconds; // for all frames
+    int passes;     // that a frame needs for an estimate of its noise; 0: 2, one in each half
 } RfStopGoals;
+
+int rf_passes_for( const RfStopGoals* goals );
 
 typedef struct RfStopRule
 {

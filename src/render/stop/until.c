@@ -69,29 +69,60 @@ static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* liv
     return fmax( ahead, behind );
 }
 
+// A judge takes time: none is asked as long as the noise is so many times what is wanted.
+#define MOST_GAIN 30.0
+
+static bool is_judged( const RfRenderer* r ) { return r->setup->callbacks.judge != NULL; }
+
+// v of what is made of the picture in the buffer.
+static double judge( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
+{
+    RfFrameResult* frame = &buffer->result;
+    *frame = ( RfFrameResult ){ .frame = live->frame,
+                                .width = r->setup->sizes.width,
+                                .height = r->setup->sizes.height,
+                                .rgb = buffer->rgb,
+                                .native_spp = rf_native_spp( r, live->films ) };
+    rf_finish_aovs( r, live, RF_DENOISE_AOVS | RF_AOV_BIT( RF_AOV_HALF ), buffer );
+    RfJudged judged = r->setup->callbacks.judge( r->setup->callbacks.user, frame );
+    double wanted = r->setup->settings.noise;
+    return live->noise_seen * wanted * pow( judged.relmse / wanted, 1.0 / judged.exponent );
+}
+
 // The picture is made in a buffer that waits for the next frame.
+void rf_estimate_noise( RfRenderer* r, RfLiveFilm* live )
+{
+    RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
+    RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
+    live->noise_seen = live->films->weight[0] + live->films->weight[1];
+    live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
+    if ( !is_judged( r ) )
+        return;
+    if ( rf_prudent_relmse( &relmse ) > MOST_GAIN * r->setup->settings.noise )
+        live->noise /= MOST_GAIN;
+    else
+        live->noise = fmin( live->noise, judge( r, live, buffer ) );
+}
+
 static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
 {
-    const RfFilm* film = live->films;
-    live->noise_seen = film->weight[0] + film->weight[1];
     if ( r->setup->settings.noise > 0.0 )
-    {
-        RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
-        RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
-        live->noise = live->noise_seen * rf_prudent_relmse( &relmse );
-    }
+        rf_estimate_noise( r, live );
+    live->noise_seen = live->films->weight[0] + live->films->weight[1];
     if ( r->setup->settings.flicker > 0.0 )
         live->flicker = estimate_flicker( r, number, live );
 }
 
-// Estimates take time: they are made where they decide, and for enough others to
-// predict the frames to come.
+// Estimates take time: they are made where they decide, and for enough others to predict the frames to come; by a judge, which
+// takes more, for others only as long as none is finished.
 static bool wants_estimate( const RfRenderer* r, const RfNoiseEstimates* estimates, int i )
 {
     int first, last;
     rf_groups_of_frame( &r->setup->plan, estimates->frames[i].frame, &first, &last );
     bool as_good = estimates->frames[i].passes >= estimates->frames[0].passes;
-    return last == estimates->group || i == estimates->count / 2 || ( i == estimates->count - 1 && as_good );
+    bool few = is_judged( r );
+    return last == estimates->group || ( i == estimates->count / 2 && !( few && r->stop.finished_count > 0 ) ) ||
+           ( i == estimates->count - 1 && as_good && !few );
 }
 
 // The films of a group after `done` passes of it.
@@ -110,7 +141,7 @@ static RfNoiseEstimates estimate_films( RfRenderer* r, int number, int done )
     }
     for ( int i = 0; i < estimates.count && has_goal; ++i )
     {
-        if ( frames[i].passes < 2 || !wants_estimate( r, &estimates, i ) )
+        if ( frames[i].passes < rf_passes_for( &r->stop.rule.goals ) || !wants_estimate( r, &estimates, i ) )
             continue;
         RfLiveFilm* live = rf_find_film( r, frames[i].frame );
         if ( live->noise_seen != frames[i].weight ) // new samples since the last estimate

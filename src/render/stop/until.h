@@ -10,6 +10,9 @@ RfGroup rf_begin_until( RfRenderer* renderer, int number );
 // Whether settings.noise, flicker and time want another pass of the group.
 bool rf_is_pass_due( RfRenderer* renderer, int number );
 
+// Estimates the noise of a frame in work for its passes so far, or what callbacks.judge says where that is less.
+void rf_estimate_noise( RfRenderer* renderer, RfLiveFilm* live );
+
 // A pass of so many frames is done.
 void rf_note_group_pass( RfRenderer* renderer, int eyes );
 
