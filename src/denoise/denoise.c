@@ -197,6 +197,15 @@ static double clean_value( const Work* w, size_t i, size_t c, double share )
     return share * (double)w->clean[0][3 * i + c] + ( 1.0 - share ) * (double)w->clean[1][3 * i + c];
 }
 
+static void mix_clean( const Work* w, float* rgb )
+{
+    for ( size_t i = 0; i < w->pixels; ++i )
+    {
+        for ( size_t c = 0; c < 3; ++c )
+            rgb[3 * i + c] = (float)clean_value( w, i, c, share_of( w, i ) );
+    }
+}
+
 static void sum_block( const Work* w, int b )
 {
     int width = w->frame->width, left = b % w->columns * SIDE, top = b / w->columns * SIDE;
@@ -484,7 +493,8 @@ RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb
             w.blocks[b].weight = 1.0;
         if ( halves && result == RF_OK )
         {
-            rf_likely_denominators( frame->width, frame->height, w.rgb, w.half[0], w.half[1], w.below );
+            mix_clean( &w, w.layer );
+            rf_likely_denominators( frame->width, frame->height, w.layer, w.clean[0], w.clean[1], w.below );
             result = conclude( &w, denoised, sums, error );
         }
         if ( result == RF_OK )

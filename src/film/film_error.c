@@ -327,12 +327,11 @@ void rf_likely_denominators( int width, int height, const float* rgb, const floa
         int columns = block.right - block.left, rows = block.bottom - block.top;
         rf_set_float_mode();
         load_block( &halves, &block, &v );
-        double all, rare = rare_light( &v, columns, rows, &all );
         for ( int k = 0; k < columns * rows; ++k )
         {
             int x = k % columns, y = k / columns;
             below[(size_t)( block.top + y ) * (size_t)width + (size_t)( block.left + x )] =
-                rf_relmse_denominator( brightness_at( &v, y * ROOM + x, rare ) );
+                rf_relmse_denominator( brightness_at( &v, y * ROOM + x, 0.0 ) );
         }
     }
 }
