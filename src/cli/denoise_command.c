@@ -22,24 +22,6 @@
 #define MOST_LAYERS 64
 #define MOST_NEW 16 // channels
 
-typedef struct Job
-{
-    const char* images;
-    RfSequenceInput input;
-    const char *output, *frames, *library, *json;
-    char pattern[RF_FILE_NAME_SIZE]; // of the output
-    int threads;
-    bool overwrite, quiet;
-    RfDenoiser* denoiser;
-    RfDenoisedSums sums;
-    int width, height; // of the first frame
-    double noisy;      // sum over the frames
-    int no_halves;     // frames whose error is not known
-    double seconds;
-    json_t *rows, *warnings;
-    RfLog* log;
-} Job;
-
 // A pass of the file, by any of the namings.
 typedef struct Layer
 {
@@ -53,7 +35,7 @@ typedef struct Frame
 {
     RfExrCopy copy;
     RfImage image;
-    Layer half, albedo, normal, noisy;
+    Layer half, albedo, normal, motion, noisy;
     Layer layers[MOST_LAYERS];
     RfNoisyLayer noisy_layers[MOST_LAYERS];
     int layer_count;
@@ -61,14 +43,35 @@ typedef struct Frame
     char noisy_part[RF_PASS_CHANNEL_SIZE];
     char texts[8][64];
     RfExrString strings[8];
+    char path[RF_FILE_NAME_SIZE];
+    float* rgb; // before, 3 per pixel
+    RfDenoisedHalves halves;
 } Frame;
 
-static const char* find_channel( const RfExrHeader* header, const char* pass, char letter )
+typedef struct Job
 {
-    bool negated;
+    const char* images;
+    RfSequenceInput input;
+    const char *output, *frames, *library, *json;
+    char pattern[RF_FILE_NAME_SIZE]; // of the output
+    int threads;
+    bool overwrite, quiet;
+    RfDenoiser* denoiser;
+    RfDenoisedSums sums;
+    int width, height; // of the first frame
+    double noisy;      // sum over the frames
+    Frame* window[3];  // before, now, after; NULL: there is none, or it is of no use
+    int no_halves;     // frames whose error is not known
+    double seconds;
+    json_t *rows, *warnings;
+    RfLog* log;
+} Job;
+
+static const char* find_channel( const RfExrHeader* header, const char* pass, char letter, bool* negated )
+{
     for ( int i = 0; i < header->channel_count; ++i )
     {
-        if ( rf_is_pass_channel( header->channels[i].text, pass, letter, &negated ) )
+        if ( rf_is_pass_channel( header->channels[i].text, pass, letter, negated ) )
             return header->channels[i].text;
     }
     return NULL;
@@ -78,14 +81,18 @@ static RfResult read_layer( const char* path, const RfExrHeader* header, const c
                             RfError* error )
 {
     RfExrWindow window;
+    bool negated[4];
     *layer = ( Layer ){ .letters = (int)strlen( letters ) };
     for ( int i = 0; i < layer->letters; ++i )
     {
-        layer->channels[i] = find_channel( header, pass, letters[i] );
+        layer->channels[i] = find_channel( header, pass, letters[i], negated + i );
         if ( layer->channels[i] == NULL )
             return RF_OK;
     }
-    return rf_read_exr_channels( path, layer->channels, layer->letters, &window, &layer->values, error );
+    RF_TRY( rf_read_exr_channels( path, layer->channels, layer->letters, &window, &layer->values, error ) );
+    for ( int i = 0; i < layer->letters * window.width * window.height; ++i )
+        layer->values[i] *= negated[i % layer->letters] ? -1.0f : 1.0f;
+    return RF_OK;
 }
 
 static RfResult add_layer( const char* path, const char* pass, int set, bool is_raw, Frame* frame, RfError* error )
@@ -131,6 +138,7 @@ static RfResult read_frame( const char* path, Frame* frame, RfError* error )
     RF_TRY( read_layer( path, header, rf_aov_name( RF_AOV_HALF ), "RGBW", &frame->half, error ) );
     RF_TRY( read_layer( path, header, rf_aov_name( RF_AOV_DENOISE_ALBEDO ), "RGB", &frame->albedo, error ) );
     RF_TRY( read_layer( path, header, rf_aov_name( RF_AOV_DENOISE_NORMAL ), "XYZ", &frame->normal, error ) );
+    RF_TRY( read_layer( path, header, rf_aov_name( RF_AOV_MOTION ), "XYZW", &frame->motion, error ) );
     if ( frame->noisy.values != NULL )
         memcpy( frame->image.rgb, frame->noisy.values, 3 * sizeof( float ) * (size_t)header->width * (size_t)header->height );
     return read_layers( path, frame, error );
@@ -138,13 +146,18 @@ static RfResult read_frame( const char* path, Frame* frame, RfError* error )
 
 static void free_frame( Frame* frame )
 {
-    Layer* const layers[] = { &frame->half, &frame->albedo, &frame->normal, &frame->noisy };
+    if ( frame == NULL )
+        return;
+    Layer* const layers[] = { &frame->half, &frame->albedo, &frame->normal, &frame->motion, &frame->noisy };
+    rf_free_denoised_halves( &frame->halves );
+    free( frame->rgb );
     rf_free_exr_copy( &frame->copy );
     rf_destroy_image( &frame->image );
     for ( size_t i = 0; i < sizeof layers / sizeof layers[0]; ++i )
         free( layers[i]->values );
     for ( int i = 0; i < frame->layer_count; ++i )
         free( frame->layers[i].values );
+    free( frame );
 }
 
 // Puts a layer's values in the place of its channels.
@@ -208,12 +221,11 @@ static void put( Frame* frame, RfKey key, const char* text )
     frame->copy.options.strings = frame->strings;
 }
 
-static RfResult write_frame( Job* job, int number, const char* path, const float* noisy, const RfDenoised* denoised, Frame* frame,
-                             RfError* error )
+static RfResult write_frame( Job* job, int number, const RfDenoised* denoised, Frame* frame, RfError* error )
 {
     char name[RF_FILE_NAME_SIZE], text[64];
     if ( frame->noisy.values == NULL )
-        add_noisy( path, noisy, frame );
+        add_noisy( frame->path, frame->rgb, frame );
     for ( int l = 0; l < frame->layer_count; ++l )
         replace( &frame->copy, frame->layers + l );
     put( frame, RF_KEY_DENOISER, rf_denoiser_name( job->denoiser ) );
@@ -231,58 +243,111 @@ static RfResult write_frame( Job* job, int number, const char* path, const float
     return rf_write_exr( name, &frame->image, &frame->copy.options, error );
 }
 
-static RfResult denoise_frame( Job* job, int number, RfError* error )
+static RfNoisyFrame noisy_of( const Frame* frame )
 {
-    Frame* frame = calloc( 1, sizeof *frame );
-    char path[RF_FILE_NAME_SIZE];
-    RfDenoised denoised;
-    if ( frame == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a frame" );
-    RfResult result = rf_sequence_input_name( &job->input, number, path, error );
-    if ( result == RF_OK )
-        result = read_frame( path, frame, error );
+    return ( RfNoisyFrame ){ .width = frame->image.width,
+                             .height = frame->image.height,
+                             .rgb = frame->rgb,
+                             .half = frame->half.values,
+                             .albedo = frame->albedo.values,
+                             .normal = frame->normal.values,
+                             .motion = frame->motion.values,
+                             .layer_count = frame->layer_count,
+                             .layers = frame->noisy_layers,
+                             .halves = frame->halves.half[0] != NULL ? &frame->halves : NULL,
+                             .passes = rf_read_exr_number( frame->path, rf_key_name( RF_KEY_NATIVE_SPP ) ) };
+}
+
+// Frames that can be followed into those beside them have their halves denoised at once, for all of them.
+static bool is_followed( const Frame* frame )
+{
+    return frame->motion.values != NULL && frame->albedo.values != NULL && frame->normal.values != NULL &&
+           frame->half.values != NULL;
+}
+
+static RfResult check_size( Job* job, const Frame* frame, RfError* error )
+{
     job->width = job->width > 0 ? job->width : frame->image.width;
     job->height = job->height > 0 ? job->height : frame->image.height;
-    if ( result == RF_OK && ( frame->image.width != job->width || frame->image.height != job->height ) )
-        result = rf_fail( error, RF_ERROR_FORMAT, "%s: has %dx%d pixels, but the first frame %dx%d: denoise them one by one",
-                          path, frame->image.width, frame->image.height, job->width, job->height );
+    return frame->image.width == job->width && frame->image.height == job->height
+               ? RF_OK
+               : rf_fail( error, RF_ERROR_FORMAT, "%s: has %dx%d pixels, but the first frame %dx%d: denoise them one by one",
+                          frame->path, frame->image.width, frame->image.height, job->width, job->height );
+}
+
+static RfResult load_frame( Job* job, int number, Frame* frame, RfError* error )
+{
+    RF_TRY( rf_sequence_input_name( &job->input, number, frame->path, error ) );
+    RF_TRY( read_frame( frame->path, frame, error ) );
+    RF_TRY( check_size( job, frame, error ) );
     size_t size = 3 * sizeof( float ) * (size_t)frame->image.width * (size_t)frame->image.height;
-    float* noisy = result == RF_OK ? malloc( size ) : NULL;
-    if ( result == RF_OK && noisy == NULL )
-        result = rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its pixels", path );
+    frame->rgb = malloc( size );
+    if ( frame->rgb == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "%s: out of memory for its pixels", frame->path );
+    memcpy( frame->rgb, frame->image.rgb, size );
+    if ( !is_followed( frame ) )
+        return RF_OK;
     double start = rf_wall_seconds();
-    if ( result == RF_OK )
+    const RfNoisyFrame noisy = noisy_of( frame );
+    RF_TRY( rf_denoise_halves( job->denoiser, &noisy, &frame->halves, error ) );
+    job->seconds += rf_wall_seconds() - start;
+    return RF_OK;
+}
+
+static int number_of( const Job* job, int i ) { return job->input.is_sequence ? job->input.frames[i] : 1; }
+
+// The frames around number `i` of `count`: the one before and the one after only where they have been rendered beside it and can be
+// followed.
+static RfResult slide( Job* job, int i, int count, RfError* error )
+{
+    Frame** window = job->window;
+    free_frame( window[0] );
+    window[0] = window[1];
+    window[1] = window[2];
+    window[2] = NULL;
+    if ( i > 0 && number_of( job, i ) != number_of( job, i - 1 ) + 1 )
     {
-        memcpy( noisy, frame->image.rgb, size );
-        const RfNoisyFrame in = { .width = frame->image.width,
-                                  .height = frame->image.height,
-                                  .rgb = noisy,
-                                  .half = frame->half.values,
-                                  .albedo = frame->albedo.values,
-                                  .normal = frame->normal.values,
-                                  .layer_count = frame->layer_count,
-                                  .layers = frame->noisy_layers,
-                                  .passes = rf_read_exr_number( path, rf_key_name( RF_KEY_NATIVE_SPP ) ) };
-        result = rf_denoise( job->denoiser, &in, frame->image.rgb, &denoised, &job->sums, error );
+        free_frame( window[0] );
+        window[0] = NULL;
     }
-    if ( result == RF_OK )
-        result = write_frame( job, number, path, noisy, &denoised, frame, error );
-    if ( result == RF_OK )
+    for ( int k = 1; k <= 2; ++k )
     {
-        double seconds = rf_wall_seconds() - start;
-        job->seconds += seconds;
-        job->noisy += isfinite( denoised.noisy ) ? denoised.noisy : 0.0;
-        job->no_halves += isfinite( denoised.denoised.relmse ) == 0;
-        json_t* row = rf_denoised_json( denoised.noisy, &denoised.denoised );
-        json_object_set_new( row, "share", rf_json_number( denoised.share ) );
-        json_object_set_new( row, "frame", json_integer( number ) );
-        json_object_set_new( row, "seconds", rf_json_number( seconds ) );
-        json_array_append_new( job->rows, row );
+        const Frame* before = window[k - 1];
+        bool wanted = k == 1 || ( is_followed( before ) && i + 1 < count && number_of( job, i + 1 ) == number_of( job, i ) + 1 );
+        if ( window[k] != NULL || !wanted )
+            continue;
+        window[k] = calloc( 1, sizeof( Frame ) );
+        if ( window[k] == NULL )
+            return rf_fail( error, RF_ERROR_MEMORY, "out of memory for a frame" );
+        RF_TRY( load_frame( job, number_of( job, i + k - 1 ), window[k], error ) );
     }
-    free( noisy );
-    free_frame( frame );
-    free( frame );
-    return result;
+    return RF_OK;
+}
+
+static RfFrameBeside beside( const Frame* frame )
+{
+    return frame != NULL && is_followed( frame ) ? ( RfFrameBeside ){ &frame->halves, frame->albedo.values, frame->normal.values }
+                                                 : ( RfFrameBeside ){ NULL, NULL, NULL };
+}
+
+static RfResult denoise_frame( Job* job, int number, RfError* error )
+{
+    Frame* frame = job->window[1];
+    RfDenoised denoised;
+    double start = rf_wall_seconds();
+    RfNoisyFrame in = noisy_of( frame );
+    in.beside[0] = beside( job->window[0] );
+    in.beside[1] = beside( job->window[2] );
+    RF_TRY( rf_denoise( job->denoiser, &in, frame->image.rgb, &denoised, &job->sums, error ) );
+    RF_TRY( write_frame( job, number, &denoised, frame, error ) );
+    job->seconds += rf_wall_seconds() - start;
+    job->noisy += isfinite( denoised.noisy ) ? denoised.noisy : 0.0;
+    job->no_halves += isfinite( denoised.denoised.relmse ) == 0;
+    json_t* row = rf_denoised_json( denoised.noisy, &denoised.denoised );
+    json_array_append_new( job->rows,
+                           RF_SET_FIGURES( rf_json_add( row, "{s:i}", "frame", number ), { "share", denoised.share },
+                                           { "along_motion", denoised.along }, { "seconds", rf_wall_seconds() - start } ) );
+    return RF_OK;
 }
 
 static RfResult finish( Job* job, RfError* error )
@@ -326,8 +391,6 @@ static RfResult find_output( Job* job, RfError* error )
     return rf_prepare_output_folder( job->pattern, error );
 }
 
-static int number_of( const Job* job, int i ) { return job->input.is_sequence ? job->input.frames[i] : 1; }
-
 static RfResult check_existing( const Job* job, int count, RfError* error )
 {
     char name[RF_FILE_NAME_SIZE];
@@ -356,6 +419,7 @@ static RfResult run( void* user, RfError* error )
     {
         if ( rf_is_interrupted() )
             return rf_fail( error, RF_ERROR_INTERRUPTED, "interrupted: %d of %d frames are denoised and kept", i, count );
+        RF_TRY( slide( job, i, count, error ) );
         RF_TRY( denoise_frame( job, number_of( job, i ), error ) );
         rf_show_frame_count( job->quiet || count < 2, i + 1, count );
     }
@@ -384,7 +448,7 @@ int rf_command_denoise( int argc, char** argv )
             "Denoises rendered frames with Open Image Denoise, and tells the error that is left, bias included, where the "
             "files have the layer half (render --denoise, or --aov half). IMAGES is a file, a sequence named with ####, or "
             "its folder. Light groups and passes still add up to the picture; other layers stay as they are, and the "
-            "picture before is the layer noisy.",
+            "picture before is the layer noisy. With the layer motion, the frames before and after help where they can.",
         RF_TABLE_ROWS( names, options ),
     };
     job.rows = json_array();
@@ -395,6 +459,8 @@ int rf_command_denoise( int argc, char** argv )
     int status = rf_run_command( &table, argc, argv, &job.images, run, &job );
     rf_close_denoiser( job.denoiser );
     rf_free_denoised_sums( &job.sums );
+    for ( int k = 0; k < 3; ++k )
+        free_frame( job.window[k] );
     rf_free_sequence_input( &job.input );
     json_decref( job.rows );
     json_decref( job.warnings );

@@ -1,6 +1,7 @@
 // Denoises the halves of a frame, blends their mean with the noisy picture, and tells the error of the blend
 // (src/denoise/README.md).
 #include "base/try.h"
+#include "denoise/beside.h"
 #include "denoise/oidn.h"
 #include "film/brightness.h"
 #include "film/film_error.h"
@@ -20,14 +21,27 @@
 #define LEAST_EXPONENT 0.25
 #define FEW 10.0 // parts that an interval must not hang on
 
+// The steps of the blend: from the picture to the denoised one, and from there to the mean along the motion.
+enum
+{
+    CLEAN,
+    ALONG,
+    STEPS
+};
+
+// N and Q of the steps: half of what a small weight takes off the error, and products of the steps.
+typedef struct Gains
+{
+    double gain[STEPS], step[STEPS], product;
+} Gains;
+
 // What the halves tell of a block: errors are relative, summed over pixels and channels.
 typedef struct Block
 {
-    double noisy;                // V: of the picture
-    double gain;                 // N: half of what a small weight w of the denoised picture takes off it
-    double step;                 // Q: squared distance of the two
-    double weight, others;       // w, and w from the other blocks alone
-    double half_gain, half_step; // of the halves, likewise, in the mean of both
+    double noisy; // V: of the picture
+    Gains gains;
+    double weight[STEPS], others[STEPS]; // of the steps, the second at most the first; and those from the other blocks alone
+    double half_gain, half_step;         // of the first step in the halves, in the mean of both
 } Block;
 
 typedef struct Work
@@ -40,6 +54,7 @@ typedef struct Work
     int unknown;       // pixels that are not
     float* half[2];    // its halves; without, the picture itself is the first
     float* clean[2];   // denoised
+    float* along[2];   // their mean with the frames beside, along the motion; NULL: there are none
     double* below;     // of the squared errors
     float* layer;      // a layer denoised
     Block* blocks;
@@ -54,6 +69,7 @@ static void destroy( Work* w )
     {
         free( w->half[h] );
         free( w->clean[h] );
+        free( w->along[h] );
     }
     free( w->rgb );
     free( w->below );
@@ -80,6 +96,8 @@ static RfResult create( const RfNoisyFrame* frame, Work* w, RfError* error )
     {
         good = ( w->half[h] = malloc( image ) ) != NULL && good;
         good = ( w->clean[h] = malloc( image ) ) != NULL && good;
+        if ( rf_has_frames_beside( frame ) )
+            good = ( w->along[h] = malloc( image ) ) != NULL && good;
     }
     return good && w->rgb != NULL && w->below != NULL && w->layer != NULL && w->blocks != NULL
                ? RF_OK
@@ -192,9 +210,9 @@ static void split( Work* w )
 }
 
 // The mean of the denoised halves.
-static double clean_value( const Work* w, size_t i, size_t c, double share )
+static double mean_of( float* const half[2], size_t i, size_t c, double share )
 {
-    return share * (double)w->clean[0][3 * i + c] + ( 1.0 - share ) * (double)w->clean[1][3 * i + c];
+    return share * (double)half[0][3 * i + c] + ( 1.0 - share ) * (double)half[1][3 * i + c];
 }
 
 static void mix_clean( const Work* w, float* rgb )
@@ -202,35 +220,44 @@ static void mix_clean( const Work* w, float* rgb )
     for ( size_t i = 0; i < w->pixels; ++i )
     {
         for ( size_t c = 0; c < 3; ++c )
-            rgb[3 * i + c] = (float)clean_value( w, i, c, share_of( w, i ) );
+            rgb[3 * i + c] = (float)mean_of( w->clean, i, c, share_of( w, i ) );
+    }
+}
+
+static double apart( float* const half[2], size_t at ) { return (double)half[0][at] - (double)half[1][at]; }
+
+static void add_pixel( const Work* w, size_t i, Block* block )
+{
+    double share = share_of( w, i ), scale = sqrt( share * ( 1.0 - share ) );
+    Gains* g = &block->gains;
+    for ( size_t at = 3 * i; at < 3 * i + 3; ++at )
+    {
+        size_t c = at - 3 * i;
+        double d = scale * apart( w->half, at ), clean = scale * apart( w->clean, at );
+        double mean = mean_of( w->clean, i, c, share ), step = mean - (double)w->rgb[at];
+        double first = (double)w->clean[0][at] - (double)w->half[0][at],
+               second = (double)w->clean[1][at] - (double)w->half[1][at];
+        block->noisy += d * d / w->below[i];
+        g->gain[CLEAN] += d * ( d - clean ) / w->below[i];
+        g->step[CLEAN] += step * step / w->below[i];
+        block->half_gain -= 0.5 * apart( w->half, at ) * ( first - second ) / w->below[i];
+        block->half_step += 0.5 * ( first * first + second * second ) / w->below[i];
+        if ( w->along[0] == NULL )
+            continue;
+        double along = scale * apart( w->along, at ), further = mean_of( w->along, i, c, share ) - mean;
+        g->gain[ALONG] += d * ( clean - along ) / w->below[i];
+        g->step[ALONG] += further * further / w->below[i];
+        g->product += step * further / w->below[i];
     }
 }
 
 static void sum_block( const Work* w, int b )
 {
     int width = w->frame->width, left = b % w->columns * SIDE, top = b / w->columns * SIDE;
-    Block* block = w->blocks + b;
     for ( int y = top; y < top + SIDE && y < w->frame->height; ++y )
     {
         for ( int x = left; x < left + SIDE && x < width; ++x )
-        {
-            size_t i = (size_t)y * (size_t)width + (size_t)x;
-            double share = share_of( w, i ), scale = sqrt( share * ( 1.0 - share ) );
-            for ( size_t c = 0; c < 3; ++c )
-            {
-                double d = scale * ( (double)w->half[0][3 * i + c] - (double)w->half[1][3 * i + c] );
-                double clean = scale * ( (double)w->clean[0][3 * i + c] - (double)w->clean[1][3 * i + c] );
-                double step = clean_value( w, i, c, share ) - (double)w->rgb[3 * i + c];
-                double apart = (double)w->half[1][3 * i + c] - (double)w->half[0][3 * i + c];
-                double first = (double)w->clean[0][3 * i + c] - (double)w->half[0][3 * i + c];
-                double second = (double)w->clean[1][3 * i + c] - (double)w->half[1][3 * i + c];
-                block->noisy += d * d / w->below[i];
-                block->gain += d * ( d - clean ) / w->below[i];
-                block->step += step * step / w->below[i];
-                block->half_gain += 0.5 * apart * ( first - second ) / w->below[i];
-                block->half_step += 0.5 * ( first * first + second * second ) / w->below[i];
-            }
-        }
+            add_pixel( w, (size_t)y * (size_t)width + (size_t)x, w->blocks + b );
     }
 }
 
@@ -244,12 +271,59 @@ static void list_counts( Work* w )
     }
 }
 
-static double quotient( double gain, double step ) { return step > 0.0 ? fmin( fmax( gain / step, 0.0 ), 1.0 ) : gain > 0.0; }
+// By how much weights lower the error.
+static double saved( const Gains* g, const double weight[STEPS] )
+{
+    return weight[CLEAN] * ( 2.0 * g->gain[CLEAN] - weight[CLEAN] * g->step[CLEAN] ) +
+           weight[ALONG] * ( 2.0 * g->gain[ALONG] - weight[ALONG] * g->step[ALONG] ) -
+           2.0 * weight[CLEAN] * weight[ALONG] * g->product;
+}
 
-// The weight of the denoised picture in a block from those around it, with and without its own.
+static double quotient( double gain, double step, double most )
+{
+    return step > 0.0 ? fmin( fmax( gain / step, 0.0 ), most ) : gain > 0.0 ? most : 0.0;
+}
+
+static void take_better( const Gains* g, double clean, double along, double weight[STEPS] )
+{
+    const double other[STEPS] = { clean, along };
+    if ( saved( g, other ) > saved( g, weight ) )
+    {
+        weight[CLEAN] = clean;
+        weight[ALONG] = along;
+    }
+}
+
+// The weights that lower the error most: the minimum of a quadratic form over the triangle 0 <= along <= clean <= 1, which is inside or
+// on one of its sides.
+static void solve( const Gains* g, double weight[STEPS] )
+{
+    double n = g->gain[CLEAN], m = g->gain[ALONG], q = g->step[CLEAN], r = g->step[ALONG], p = g->product, det = q * r - p * p;
+    weight[CLEAN] = quotient( n, q, 1.0 );
+    weight[ALONG] = 0.0;
+    if ( !( r > 0.0 ) )
+        return;
+    double diagonal = quotient( n + m, q + 2.0 * p + r, 1.0 ), clean = ( n * r - m * p ) / det, along = ( m * q - n * p ) / det;
+    take_better( g, diagonal, diagonal, weight );
+    take_better( g, 1.0, quotient( m - p, r, 1.0 ), weight );
+    if ( along > 0.0 && along < clean && clean < 1.0 )
+        take_better( g, clean, along, weight );
+}
+
+static void add_gains( Gains* sum, const Gains* g, double count )
+{
+    for ( int k = 0; k < STEPS; ++k )
+    {
+        sum->gain[k] += count * g->gain[k];
+        sum->step[k] += count * g->step[k];
+    }
+    sum->product += count * g->product;
+}
+
+// The weights in a block from those around it, with and without its own.
 static void weigh_block( const Work* w, int b )
 {
-    double gain[2] = { 0.0 }, step[2] = { 0.0 };
+    Gains all = { { 0.0 }, { 0.0 }, 0.0 }, others = all;
     int column = b % w->columns, row = b / w->columns;
     for ( int y = row - REACH; y <= row + REACH; ++y )
     {
@@ -258,20 +332,15 @@ static void weigh_block( const Work* w, int b )
             if ( x < 0 || x >= w->columns || y < 0 || y >= w->rows )
                 continue;
             const Block* other = w->blocks + y * w->columns + x;
-            double weight = w->counts[abs( y - row )][abs( x - column )];
-            for ( int k = 0; k < 2 - ( x == column && y == row ); ++k )
-            {
-                gain[k] += weight * other->gain;
-                step[k] += weight * other->step;
-            }
+            double count = w->counts[abs( y - row )][abs( x - column )];
+            add_gains( &all, &other->gains, count );
+            if ( x != column || y != row )
+                add_gains( &others, &other->gains, count );
         }
     }
-    w->blocks[b].weight = quotient( gain[0], step[0] );
-    w->blocks[b].others = quotient( gain[1], step[1] );
+    solve( &all, w->blocks[b].weight );
+    solve( &others, w->blocks[b].others );
 }
-
-// By how much a weight lowers the error of a block.
-static double saved( const Block* b, double weight ) { return weight * ( 2.0 * b->gain - weight * b->step ); }
 
 static int part_of( const Work* w, int b ) { return b / w->columns / 2 * ( ( w->columns + 1 ) / 2 ) + b % w->columns / 2; }
 
@@ -281,7 +350,7 @@ static int part_count( const Work* w ) { return ( ( w->columns + 1 ) / 2 ) * ( (
 static void sum_parts( const Work* w, double* parts )
 {
     for ( int b = 0; b < w->columns * w->rows; ++b )
-        parts[part_of( w, b )] += w->blocks[b].noisy - saved( w->blocks + b, w->blocks[b].others );
+        parts[part_of( w, b )] += w->blocks[b].noisy - saved( &w->blocks[b].gains, w->blocks[b].others );
 }
 
 // The error of a half, blended like the picture, is twice the noise less what it gains (E23); that of the picture is
@@ -292,7 +361,7 @@ static double exponent_of( const Work* w, double relmse )
     for ( int b = 0; b < w->columns * w->rows; ++b )
     {
         const Block* k = w->blocks + b;
-        half += 2.0 * k->noisy - k->others * ( 2.0 * k->half_gain - k->others * k->half_step );
+        half += 2.0 * k->noisy - k->others[CLEAN] * ( 2.0 * k->half_gain - k->others[CLEAN] * k->half_step );
     }
     double q = half > 0.0 && relmse > 0.0 ? log2( half / relmse ) : 1.0;
     return fmin( fmax( q, LEAST_EXPONENT ), 1.0 );
@@ -306,7 +375,7 @@ static bool does_help( const Work* w )
     for ( int b = 0; b < count; ++b )
     {
         const Block* block = w->blocks + b;
-        double gain = block->noisy > 0.0 ? fmax( saved( block, block->others ) / block->noisy, -1.0 ) : 0.0;
+        double gain = block->noisy > 0.0 ? fmax( saved( &block->gains, block->others ) / block->noisy, -1.0 ) : 0.0;
         sum += gain;
         squares += gain * gain;
     }
@@ -374,7 +443,10 @@ static RfResult conclude( Work* w, RfDenoised* out, RfDenoisedSums* sums, RfErro
         weigh_block( w, b );
     bool helps = does_help( w );
     for ( int b = 0; b < count && !helps; ++b )
-        w->blocks[b].weight = w->blocks[b].others = 0.0;
+    {
+        for ( int k = 0; k < STEPS; ++k )
+            w->blocks[b].weight[k] = w->blocks[b].others[k] = 0.0;
+    }
     sum_parts( w, parts );
     RfResult result = RF_OK;
     if ( w->frame->passes >= RF_LEAST_DENOISED_PASSES && w->unknown == 0 )
@@ -390,38 +462,40 @@ static RfResult conclude( Work* w, RfDenoised* out, RfDenoisedSums* sums, RfErro
     return result;
 }
 
-// The weight at a pixel, linear between the middles of blocks.
-static double weight_at( const Work* w, int x, int y )
+// The weight of a step at a pixel, linear between the middles of blocks.
+static double weight_at( const Work* w, size_t i, int step )
 {
+    int x = (int)( i % (size_t)w->frame->width ), y = (int)( i / (size_t)w->frame->width );
     double u = fmin( fmax( ( x + 0.5 ) / SIDE - 0.5, 0.0 ), w->columns - 1.0 );
     double v = fmin( fmax( ( y + 0.5 ) / SIDE - 0.5, 0.0 ), w->rows - 1.0 );
     int column = (int)u, row = (int)v, right = column + ( column < w->columns - 1 ), down = row + ( row < w->rows - 1 );
     const Block *upper = w->blocks + row * w->columns, *lower = w->blocks + down * w->columns;
     u -= column;
     v -= row;
-    return ( 1.0 - v ) * ( ( 1.0 - u ) * upper[column].weight + u * upper[right].weight ) +
-           v * ( ( 1.0 - u ) * lower[column].weight + u * lower[right].weight );
+    return ( 1.0 - v ) * ( ( 1.0 - u ) * upper[column].weight[step] + u * upper[right].weight[step] ) +
+           v * ( ( 1.0 - u ) * lower[column].weight[step] + u * lower[right].weight[step] );
 }
 
-static double blend( const Work* w, float* rgb )
+static void blend( const Work* w, float* rgb, RfDenoised* denoised )
 {
-    double sum = 0.0;
-    for ( int y = 0; y < w->frame->height; ++y )
+    double sums[STEPS] = { 0.0 };
+    for ( size_t i = 0; i < w->pixels; ++i )
     {
-        for ( int x = 0; x < w->frame->width; ++x )
+        double share = share_of( w, i ), weight[STEPS] = { 0.0 };
+        for ( int k = 0; k < STEPS && is_known( w, i ); ++k )
+            weight[k] = weight_at( w, i, k );
+        for ( size_t c = 0; c < 3; ++c )
         {
-            size_t i = (size_t)y * (size_t)w->frame->width + (size_t)x;
-            double weight = is_known( w, i ) ? weight_at( w, x, y ) : 0.0, share = share_of( w, i );
-            for ( size_t c = 0; c < 3; ++c )
-            {
-                double noisy = (double)w->frame->rgb[3 * i + c];
-                rgb[3 * i + c] =
-                    weight > 0.0 ? (float)( noisy + weight * ( clean_value( w, i, c, share ) - noisy ) ) : (float)noisy;
-            }
-            sum += weight;
+            double noisy = (double)w->frame->rgb[3 * i + c], clean = mean_of( w->clean, i, c, share );
+            double along = w->along[0] != NULL ? mean_of( w->along, i, c, share ) : clean;
+            double value = noisy + weight[CLEAN] * ( clean - noisy ) + weight[ALONG] * ( along - clean );
+            rgb[3 * i + c] = weight[CLEAN] > 0.0 ? (float)value : (float)noisy;
         }
+        for ( int k = 0; k < STEPS; ++k )
+            sums[k] += weight[k];
     }
-    return sum / (double)w->pixels;
+    denoised->share = sums[CLEAN] / (double)w->pixels;
+    denoised->along = sums[ALONG] / (double)w->pixels;
 }
 
 // Denoises the layers by the weights of the picture.
@@ -435,9 +509,7 @@ static RfResult blend_layers( RfDenoiser* denoiser, Work* w, float scale, RfErro
         RF_TRY( run( denoiser, w, layer->rgb, scale, w->layer, error ) );
         for ( size_t i = 0; i < w->pixels; ++i )
         {
-            double weight = is_known( w, i )
-                                ? weight_at( w, (int)( i % (size_t)w->frame->width ), (int)( i / (size_t)w->frame->width ) )
-                                : 0.0;
+            double weight = is_known( w, i ) ? weight_at( w, i, CLEAN ) : 0.0;
             for ( size_t c = 0; c < 3 && weight > 0.0; ++c )
                 layer->rgb[3 * i + c] += (float)( weight * (double)( w->layer[3 * i + c] - layer->rgb[3 * i + c] ) );
         }
@@ -470,6 +542,50 @@ static void add_up( const RfNoisyFrame* frame, const float* rgb, int set, size_t
     }
 }
 
+// The halves that are denoised before are copied, so that all are freed alike.
+static RfResult denoise_halves( RfDenoiser* denoiser, Work* w, float scale, RfError* error )
+{
+    const RfNoisyFrame* frame = w->frame;
+    bool halves = frame->half != NULL;
+    if ( frame->albedo != NULL )
+        pad( frame->albedo, frame->width, frame->height, w->padded[1] );
+    if ( frame->normal != NULL )
+        pad( frame->normal, frame->width, frame->height, w->padded[2] );
+    for ( int h = 0; h < 1 + halves && frame->halves == NULL; ++h )
+        RF_TRY( run( denoiser, w, w->half[h], scale, w->clean[h], error ) );
+    for ( int h = 0; h < 2 && frame->halves != NULL; ++h )
+        memcpy( w->clean[h], frame->halves->half[h], 3 * w->pixels * sizeof( float ) );
+    if ( !halves )
+        memcpy( w->clean[1], w->clean[0], 3 * w->pixels * sizeof( float ) );
+    return RF_OK;
+}
+
+RfResult rf_denoise_halves( RfDenoiser* denoiser, const RfNoisyFrame* frame, RfDenoisedHalves* halves, RfError* error )
+{
+    Work w;
+    *halves = ( RfDenoisedHalves ){ { NULL, NULL } };
+    RfResult result = create( frame, &w, error );
+    if ( result == RF_OK )
+    {
+        split( &w );
+        result = denoise_halves( denoiser, &w, exposure_of( &w ), error );
+    }
+    for ( int h = 0; h < 2 && result == RF_OK; ++h )
+    {
+        halves->half[h] = w.clean[h];
+        w.clean[h] = NULL;
+    }
+    destroy( &w );
+    return result;
+}
+
+void rf_free_denoised_halves( RfDenoisedHalves* halves )
+{
+    for ( int h = 0; h < 2; ++h )
+        free( halves->half[h] );
+    *halves = ( RfDenoisedHalves ){ { NULL, NULL } };
+}
+
 RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb, RfDenoised* denoised, RfDenoisedSums* sums,
                      RfError* error )
 {
@@ -478,29 +594,23 @@ RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb
     RfResult result = create( frame, &w, error );
     if ( result == RF_OK )
     {
-        bool halves = frame->half != NULL;
         split( &w );
         float scale = exposure_of( &w );
-        if ( frame->albedo != NULL )
-            pad( frame->albedo, frame->width, frame->height, w.padded[1] );
-        if ( frame->normal != NULL )
-            pad( frame->normal, frame->width, frame->height, w.padded[2] );
-        for ( int h = 0; h < 1 + halves && result == RF_OK; ++h )
-            result = run( denoiser, &w, w.half[h], scale, w.clean[h], error );
-        if ( !halves )
-            memcpy( w.clean[1], w.clean[0], 3 * w.pixels * sizeof *rgb );
+        result = denoise_halves( denoiser, &w, scale, error );
         for ( int b = 0; b < w.columns * w.rows; ++b )
-            w.blocks[b].weight = 1.0;
-        if ( halves && result == RF_OK )
+            w.blocks[b].weight[CLEAN] = 1.0;
+        if ( frame->half != NULL && result == RF_OK )
         {
             mix_clean( &w, w.layer );
             rf_likely_denominators( frame->width, frame->height, w.layer, w.clean[0], w.clean[1], w.below );
+            if ( w.along[0] != NULL )
+                rf_mean_along_motion( frame, w.clean, w.along );
             result = conclude( &w, denoised, sums, error );
         }
         if ( result == RF_OK )
             result = blend_layers( denoiser, &w, scale, error );
         if ( result == RF_OK )
-            denoised->share = blend( &w, rgb );
+            blend( &w, rgb, denoised );
         int sets = 0;
         for ( int l = 0; l < frame->layer_count; ++l )
             sets = frame->layers[l].set >= sets ? frame->layers[l].set + 1 : sets;

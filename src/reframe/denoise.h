@@ -35,6 +35,19 @@ typedef struct RfNoisyLayer
 
 #define RF_LEAST_DENOISED_PASSES 4 // two in each half: with less, the error is not known
 
+// The halves of a frame, each denoised by itself.
+typedef struct RfDenoisedHalves
+{
+    float* half[2]; // 3 per pixel; without halves of the samples both are of the whole picture
+} RfDenoisedHalves;
+
+// A frame beside one, of the same size and scene, and how to find it.
+typedef struct RfFrameBeside
+{
+    const RfDenoisedHalves* halves; // NULL: there is none
+    const float *albedo, *normal;   // RF_AOV_DENOISE_ALBEDO, RF_AOV_DENOISE_NORMAL
+} RfFrameBeside;
+
 // What is known of a frame; NULL: not known.
 typedef struct RfNoisyFrame
 {
@@ -43,9 +56,12 @@ typedef struct RfNoisyFrame
     const float* half;   // RF_AOV_HALF, 4 per pixel
     const float* albedo; // RF_AOV_DENOISE_ALBEDO
     const float* normal; // RF_AOV_DENOISE_NORMAL
+    const float* motion; // RF_AOV_MOTION, 4 per pixel
     int layer_count;
     const RfNoisyLayer* layers;
-    double passes; // of the frame: with less than RF_LEAST_DENOISED_PASSES, or no half, the error is not known
+    const RfDenoisedHalves* halves; // its own, from rf_denoise_halves
+    RfFrameBeside beside[2];        // the frames before and after, which need motion, albedo and normal
+    double passes;                  // of the frame: with less than RF_LEAST_DENOISED_PASSES, or no half, the error is not known
 } RfNoisyFrame;
 
 // Estimated relMSE (reframe/measure.h) of a picture, and its 95 % interval; NaN: not known. The estimate is unbiased, and may be
@@ -62,6 +78,7 @@ typedef struct RfDenoised
     RfErrorEstimate denoised; // of the picture after
     double exponent;          // the error of the picture after falls as the samples to the power of -exponent; NaN: not known
     double share;             // of the denoised picture in it, mean over the pixels, 0 to 1: the rest is the noisy one
+    double along;             // of the mean with the frames beside it, within that share
 } RfDenoised;
 
 // Sums of errors over the frames of a shot, for the error of its mean; start from zeros.
@@ -71,8 +88,13 @@ typedef struct RfDenoisedSums
     double* of_part;
 } RfDenoisedSums;
 
+// Denoises the halves of a frame for rf_denoise, which does so itself where they are not given. Free with rf_free_denoised_halves, also
+// after a failure. Fails as rf_denoise.
+RfResult rf_denoise_halves( RfDenoiser* denoiser, const RfNoisyFrame* frame, RfDenoisedHalves* halves, RfError* error );
+void rf_free_denoised_halves( RfDenoisedHalves* halves );
+
 // Denoises a frame into `rgb`, which may be frame->rgb, and its layers. Each half of the samples is denoised by itself; their mean is
-// blended with the noisy picture where that has less error, and both errors are known from the halves (src/denoise/README.md). Pixels
+// blended with the noisy picture where that has less error, and with the frames beside it, along the motion, likewise; the errors are known from the halves (src/denoise/README.md). Pixels
 // that are not finite are kept, and the error of a frame with such is not known. `sums` may be NULL. Fails with RF_ERROR_MEMORY, or RF_ERROR_UNSUPPORTED where the library fails.
 RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb, RfDenoised* denoised, RfDenoisedSums* sums,
                      RfError* error );

@@ -191,6 +191,35 @@ TEST( test_files_of_other_forms_are_denoised )
     }
 }
 
+// Along the motion, by any names of it: Blender's is negated to the next frame. A list of frames that are not beside each other is
+// denoised frame by frame.
+TEST( test_frames_beside_are_followed )
+{
+    static const char* const names[] = { "reframe", "blender", "nuke" };
+    for ( int k = 0; k < 3; ++k )
+    {
+        cli_expect( cli_run( RENDER
+                             "-o m%d/f.##.exr --frames 1-3 --spp 8 --group 0 --tile 1 --filter box --float --names %s --aov "
+                             "half,denoise_albedo,denoise_normal,motion",
+                             k, names[k] ),
+                    0, NULL );
+        cli_expect( cli_run( "$R denoise m%d -o c%d --json c.json --quiet " BOX, k, k ), 0, NULL );
+        json_t *json = cli_read_json( "c.json" ), *rows = json_object_get( json, "frames" );
+        double along = 0.0;
+        for ( size_t f = 0; f < 3; ++f )
+            along += figure( json_array_get( rows, f ), "along_motion" );
+        assert_true( along > 0.03 );
+        json_decref( json );
+        const CliResult* same = cli_run( "$R compare c%d/f.02.exr c0/f.02.exr", k );
+        cli_expect( same, 0, NULL );
+        assert_non_null( strstr( same->out, "all pixels are identical" ) );
+    }
+    cli_expect( cli_run( "$R denoise m0 -o some --frames 1,3 --json c.json --quiet " BOX ), 0, NULL );
+    json_t* json = cli_read_json( "c.json" );
+    assert_true( figure( json_array_get( json_object_get( json, "frames" ), 1 ), "along_motion" ) == 0.0 );
+    json_decref( json );
+}
+
 TEST( test_files_without_halves )
 {
     cli_expect( cli_run( RENDER "-o plain.exr --frames 1 --spp 8 --group 0" ), 0, NULL );

@@ -36,6 +36,10 @@ static int tear_down( void** state )
 
 SHARED_BY_TESTS( set_up, tear_down )
 
+#define PAN 3 // pixels to the left by frame
+
+static int s_shift; // of the frame that is made
+
 // Smooth on the left, with detail of one pixel on the right.
 static float truth_at( int x, int y, int c )
 {
@@ -51,7 +55,7 @@ static void make( uint32_t seed, float noise, float share )
         RfRandomKey key = rf_pixel_key( rf_pass_key( seed, 0, 0, 0 ), (uint32_t)i );
         for ( int c = 0; c < 3; ++c )
         {
-            float truth = truth_at( i % WIDTH, i / WIDTH, c ), of_half[2];
+            float truth = truth_at( i % WIDTH + s_shift, i / WIDTH, c ), of_half[2];
             for ( int h = 0; h < 2; ++h )
                 of_half[h] = truth + noise * sqrtf( 12.0f * 0.5f / ( h == 0 ? share : 1.0f - share ) ) *
                                          ( rf_random( key, (uint32_t)( 2 * c + h ) ) - 0.5f );
@@ -117,6 +121,54 @@ TEST( test_told_errors_are_true )
                           (double)noise[n], e.told, e.is, e.noisy_told, e.noisy_is, 100.0 * e.within, e.share );
         }
     }
+}
+
+// Frames of a pan, with noise of their own: the mean along the motion has less error, where the surfaces are the same ones.
+TEST( test_frames_beside_are_followed )
+{
+    static float albedo[3 * PIXELS], other[3 * PIXELS], normal[3 * PIXELS], motion[4 * PIXELS];
+    for ( int i = 0; i < 3 * PIXELS; ++i )
+    {
+        albedo[i] = 0.5f;
+        other[i] = 0.9f;
+        normal[i] = i % 3 == 2;
+    }
+    for ( int i = 0; i < 4 * PIXELS; ++i )
+        motion[i] = i % 4 == 0 ? PAN : i % 4 == 2 ? -PAN : 0;
+    double told[3] = { 0 }, is[3] = { 0 }, along[3] = { 0 };
+    for ( uint32_t run = 0; run < RUNS; ++run )
+    {
+        RfDenoisedHalves halves[2];
+        for ( int side = 0; side < 2; ++side )
+        {
+            s_shift = side == 0 ? -PAN : PAN;
+            make( 1000 + 2 * run + (uint32_t)side, 0.4f, 0.5f );
+            RfNoisyFrame frame = noisy();
+            assert_int_equal( rf_denoise_halves( s_denoiser, &frame, halves + side, NULL ), RF_OK );
+        }
+        s_shift = 0;
+        make( 100 + run, 0.4f, 0.5f );
+        for ( int k = 0; k < 3; ++k ) // alone, with both, and with both of other surfaces
+        {
+            RfNoisyFrame frame = noisy();
+            RfDenoised d;
+            frame.albedo = albedo;
+            frame.normal = normal;
+            frame.motion = k > 0 ? motion : NULL;
+            for ( int side = 0; side < 2; ++side )
+                frame.beside[side] = ( RfFrameBeside ){ halves + side, k == 2 ? other : albedo, normal };
+            assert_int_equal( rf_denoise( s_denoiser, &frame, s_frame.out, &d, NULL, NULL ), RF_OK );
+            told[k] += d.denoised.relmse / RUNS;
+            is[k] += true_error( s_frame.out ) / RUNS;
+            along[k] += d.along / RUNS;
+        }
+        for ( int side = 0; side < 2; ++side )
+            rf_free_denoised_halves( halves + side );
+    }
+    if ( !( fabs( told[1] / is[1] - 1.0 ) < 0.1 && is[1] < 0.95 * is[0] && along[1] > 0.2 && along[0] == 0.0 &&
+            fabs( is[2] / is[0] - 1.0 ) < 0.01 ) )
+        fail_msg( "alone %g, told %g; along %g, told %g (%.2f of it); others %g", is[0], told[0], is[1], told[1], along[1],
+                  is[2] );
 }
 
 static RfDenoised denoise( const RfNoisyFrame* frame )
