@@ -151,8 +151,8 @@ const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse
     return best;
 }
 
-// So many samples, at least two.
-static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve* curve, double wanted, int per_sweep )
+// At least two.
+RfCostPrediction rf_predict_samples( const RfCostJob* job, const RfCostCurve* curve, double wanted, int per_sweep )
 {
     RfCostPrediction p = { .frame_seconds = (double)NAN, .seconds = (double)NAN };
     if ( !( wanted <= RF_MAX_SPP ) )
@@ -172,12 +172,12 @@ static RfCostPrediction predict_samples( const RfCostJob* job, const RfCostCurve
 
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep )
 {
-    return predict_samples( job, curve, ceil( curve->relmse / relmse ), per_sweep );
+    return rf_predict_samples( job, curve, ceil( curve->relmse / relmse ), per_sweep );
 }
 
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep )
 {
-    return predict_samples( job, curve, ceil( curve->f1_squared / ( flicker * flicker ) ), per_sweep );
+    return rf_predict_samples( job, curve, ceil( curve->f1_squared / ( flicker * flicker ) ), per_sweep );
 }
 
 RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
@@ -194,7 +194,7 @@ RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* co
         least = wanted;
         *clamp = c;
     }
-    RfCostPrediction p = predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
+    RfCostPrediction p = rf_predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
     if ( p.spp > 0 && p.spp == rf_predict_cost( job, &cost->reuse, relmse, per_sweep ).spp ) // whole groups need as many
         *clamp = NULL;
     return p;

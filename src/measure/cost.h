@@ -5,6 +5,7 @@
 #define REFRAME_MEASURE_COST_H
 
 #include "measure/trial_runs.h"
+#include "reframe/denoise.h"
 
 #define RF_COST_LEVELS 12
 #define RF_COST_POSITIONS 3
@@ -71,9 +72,30 @@ typedef struct RfCostPrediction
     double frame_seconds, seconds;
 } RfCostPrediction;
 
-// Predicts the cost of reaching `relmse` from a measured curve, and that of F1 = `flicker`.
+// Predicts the cost of reaching `relmse` from a measured curve, that of so many samples, and that of F1 = `flicker`.
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep );
+RfCostPrediction rf_predict_samples( const RfCostJob* job, const RfCostCurve* curve, double wanted, int per_sweep );
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep );
+
+// Denoised pictures, by one sample count of a curve: three windows of frames spread over the path, as many pixels as the budget allows.
+typedef struct RfDenoisedCost
+{
+    int spp;               // 0: not measured
+    RfErrorEstimate error; // of the denoised windows, bias included
+    double exponent;       // it falls as the samples to the power of -exponent, by the denoised halves
+    double seconds;        // of the denoiser, for a frame, by the threads of the render
+    double pixels;         // of all windows
+    double needed;         // seconds that it takes at least, where it is not measured
+} RfDenoisedCost;
+
+// Fails with RF_ERROR_INTERRUPTED if stopped, and as rf_render and rf_denoise do. Windows that do not fit into the budget are not
+// measured.
+RfResult rf_measure_denoised_cost( const RfCostJob* job, const RfCostCurve* curve, RfDenoiser* denoiser, double budget,
+                                   RfDenoisedCost* cost, RfError* error );
+
+// As rf_predict_cost, with the time of the denoiser.
+RfCostPrediction rf_predict_denoised_cost( const RfCostJob* job, const RfCostCurve* curve, const RfDenoisedCost* cost,
+                                           double relmse, int per_sweep );
 
 // The same with that clamp which needs the fewest samples for `relmse`; *clamp is NULL where none reaches it with fewer than
 // the exact picture.

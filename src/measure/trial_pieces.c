@@ -94,8 +94,7 @@ static int whole_cells( double side, int most )
     return pixels < most ? pixels : most;
 }
 
-// The same camera with the film from pixel (x, y) on.
-static RfEye crop( const RfEye* eye, int x, int y, int width, int height )
+RfEye rf_crop_eye( const RfEye* eye, int x, int y, int width, int height )
 {
     RfEye out = *eye;
     float* axes[3][2] = { { &out.axis_x, &out.axis_y },
@@ -150,7 +149,7 @@ RfResult rf_choose_crops( const RfEye* eyes, int frames, double pixels, uint64_t
     {
         next_place( at );
         int x = (int)( at[0] * ( eyes->width - width + 1 ) ), y = (int)( at[1] * ( eyes->height - height + 1 ) );
-        ( *crops )[i] = crop( eyes + i * frames / RF_CROPS, x, y, width, height );
+        ( *crops )[i] = rf_crop_eye( eyes + i * frames / RF_CROPS, x, y, width, height );
     }
     return RF_OK;
 }

@@ -58,6 +58,9 @@ static inline const int32_t* rf_frame_slots( const RfTestPieces* pieces, int fra
 // Bytes that pieces of so many frames take at most, whose films have `pixels` pixels.
 size_t rf_test_pieces_bytes( int frames, size_t pixels );
 
+// The same camera with the film from pixel (x, y) on.
+RfEye rf_crop_eye( const RfEye* eye, int x, int y, int width, int height );
+
 // Windows of the picture in which an estimator is tried that makes a picture of all that it traces, and so renders no
 // pieces (render/pieces.h): cameras with a smaller film, in the resolution of the render.
 

@@ -102,6 +102,32 @@ TEST( test_noise_stops_by_the_denoised_error )
     cli_expect( few, 0, "--noise: 0.18 % (relMSE 1e-05) not reached in 1 of 1 frames, frame 1 has up to " );
 }
 
+// Windows of frames, by path tracing and with reuse, and what they predict.
+TEST( test_cost_of_denoised_pictures )
+{
+#define COST "$R cost $VASE --size 64x36 --frames 1-8 --group 1 --budget 4s --denoise "
+    const CliResult* done = cli_run( COST "--noise 0.1,0.01 --quiet --svg cost.svg " BOX );
+    cli_expect( done, 0, NULL );
+    const char* first = strstr( done->out, "\n  denoised " );
+    assert_non_null( first );
+    assert_non_null( strstr( first + 1, "\n  denoised " ) );
+    assert_non_null( strstr( done->out, "\n    denoised       " ) );
+    cli_expect( cli_run( "grep -c 'path tracing, denoised' cost.svg" ), 0, NULL );
+    cli_expect( cli_run( COST "--noise 0.1,0.01 --quiet --json cost.json " BOX ), 0, NULL );
+    json_t *json = cli_read_json( "cost.json" ), *curves = json_object_get( json, "denoised" );
+    for ( size_t k = 0; k < 2; ++k )
+    {
+        const json_t *curve = json_array_get( curves, k ), *wanted = json_object_get( curve, "wanted" );
+        double relmse = figure( curve, "relmse" ), spp = figure( curve, "spp" ), exponent = figure( curve, "exponent" );
+        assert_true( figure( curve, "low" ) <= relmse && relmse <= figure( curve, "high" ) );
+        assert_true( spp >= 16.0 && exponent >= 0.25 && exponent <= 1.0 && json_array_size( wanted ) == 2 );
+        double predicted = figure( json_array_get( wanted, 1 ), "spp" ), exact = spp * pow( relmse / 0.01, 1.0 / exponent );
+        assert_true( predicted >= fmax( exact, 4.0 ) - 1.0 && predicted <= fmax( exact, 4.0 ) + 3.0 );
+    }
+    json_decref( json );
+    cli_expect( cli_run( COST "--denoiser none.so" ), 1, "the denoiser cannot be loaded: none.so: " );
+}
+
 TEST( test_last_line_tells_both_errors )
 {
     const CliResult* done = cli_run( "$R render $VASE --size 64x36 -o line.exr --frames 1 --spp 8 --group 0 --denoise " BOX );

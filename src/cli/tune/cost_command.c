@@ -16,6 +16,8 @@
 #include <string.h>
 
 #define COST_ERRORS 16
+#define BUDGET 60.0        // seconds
+#define DENOISED_SHARE 0.2 // of it, for each of the two denoised curves
 
 // The numbers of an option, as the user wrote it, and parsed.
 typedef struct Goals
@@ -33,6 +35,8 @@ typedef struct Job
     RfTrialCommand command;
     RfCostJob asked;
     RfCost cost;
+    RfDenoiser* denoiser;       // NULL: without --denoise
+    RfDenoisedCost denoised[2]; // by path tracing and with reuse
     int threads;
     int per_sweep[2];    // frames of a sweep, by path tracing and with reuse
     double load_seconds; // until rays can be traced: part of a render of all frames
@@ -77,6 +81,29 @@ static void print_clamped( const Job* r )
     }
 }
 
+static const RfCostCurve* curve_of( const Job* r, int number ) { return number == 0 ? &r->cost.plain : &r->cost.reuse; }
+
+static void print_denoised( const Job* r, int number, const char* name )
+{
+    const RfDenoisedCost* d = r->denoised + number;
+    const RfCostCurve* c = curve_of( r, number );
+    char noise[RF_NOISE_TEXT_SIZE], low[RF_NOISE_TEXT_SIZE], high[RF_NOISE_TEXT_SIZE], span[32];
+    if ( r->denoiser != NULL && d->spp == 0 )
+    {
+        rf_format_span( d->needed / DENOISED_SHARE, span, sizeof span );
+        printf( "%s, denoised: not known within the budget: needs about %s\n", name, span );
+    }
+    if ( d->spp == 0 )
+        return;
+    RfCostPrediction p = rf_predict_samples( &r->asked, c, d->spp, r->per_sweep[number] );
+    double seconds = p.frame_seconds + d->seconds;
+    rf_format_noise( fmax( d->error.relmse, 0.0 ), noise );
+    rf_format_noise( d->error.low, low );
+    rf_format_noise( d->error.high, high );
+    printf( "%-28s %7d %10.3g %10.3g %8s %10.3g  95 %%: %s to %s%s\n", "  denoised", d->spp, seconds, seconds * r->threads, noise,
+            d->error.relmse, low, high, d->error.is_vague ? " or more" : "" );
+}
+
 static void print_slope( const RfCostCurve* c, const char* name )
 {
     if ( isfinite( c->slope.low ) )
@@ -97,8 +124,6 @@ typedef struct Goal
 static Goal noise_goal( double relmse ) { return ( Goal ){ "relMSE", relmse, false }; }
 
 static Goal flicker_goal( double f1 ) { return ( Goal ){ "F1", f1, true }; }
-
-static const RfCostCurve* curve_of( const Job* r, int number ) { return number == 0 ? &r->cost.plain : &r->cost.reuse; }
 
 // By the curve of path tracing (0) or with reuse (1), or one in its place.
 static RfCostPrediction predict( const Job* r, Goal goal, int number, const RfCostCurve* c )
@@ -165,6 +190,16 @@ static void print_price( const Job* r, const char* name, Price price )
             r->asked.shot.frame_count, price.prediction.spp, clamp, missing );
 }
 
+// By the denoised picture; nothing where its error is not known.
+static void print_denoised_price( const Job* r, const char* name, Goal goal, int number )
+{
+    const RfDenoisedCost* d = r->denoised + number;
+    if ( goal.is_flicker || !( d->spp > 0 && d->error.relmse > 0.0 ) )
+        return;
+    RfCostPrediction p = rf_predict_denoised_cost( &r->asked, curve_of( r, number ), d, goal.value, r->per_sweep[number] );
+    print_price( r, name, ( Price ){ p, false, NULL } );
+}
+
 static void format_goal( Goal goal, char* text, size_t size )
 {
     char noise[RF_NOISE_TEXT_SIZE];
@@ -188,7 +223,9 @@ static void print_goal( const Job* r, Goal goal )
         printf( "  %-16s no clamp that was tried takes fewer samples\n", "clamped" );
     else if ( rf_is_left_out( rf_tracer_scene( r->asked.shot.tracer ), RF_EFFECT_CAUSTICS ) )
         printf( "  %-16s not tried where caustics are left out\n", "clamped" );
+    print_denoised_price( r, "denoised", goal, 1 );
     print_price( r, "path tracing", exact_price( r, goal, 0 ) );
+    print_denoised_price( r, "  denoised", goal, 0 );
 }
 
 // What reuse is worth, and what the first error asked for takes.
@@ -227,8 +264,10 @@ static void print_cost( const void* user )
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     printf( "%-28s %7s %10s %10s %8s %10s\n", "", "spp", "seconds", "CPU s", "noise", "relMSE" );
     print_rows( &cost->plain, "path tracing" );
+    print_denoised( r, 0, "path tracing" );
     print_rows( &cost->reuse, name );
     print_clamped( r );
+    print_denoised( r, 1, name );
     printf( "seconds: of a frame of %dx%d with %d threads, from %.0f of its pixels at %d camera position%s, measured in %.1f s\n",
             s_given.render.size.width, s_given.render.size.height, r->threads, cost->pixels, cost->positions,
             cost->positions == 1 ? "" : "s", cost->seconds );
@@ -271,6 +310,25 @@ static json_t* goal_json( const Job* r, Goal goal, const char* key )
                       prediction_json( r, predict( r, goal, 1, &r->cost.reuse ) ) );
 }
 
+static json_t* denoised_json( const Job* r, int number )
+{
+    const RfDenoisedCost* d = r->denoised + number;
+    json_t *json = json_pack( "{s:i, s:b}", "spp", d->spp, "is_vague", d->error.is_vague ), *wanted = json_array();
+    if ( d->spp == 0 )
+    {
+        json_decref( json );
+        json_decref( wanted );
+        return json_null();
+    }
+    for ( int i = 0; i < s_noise.count; ++i )
+        json_array_append_new( wanted,
+                               prediction_json( r, rf_predict_denoised_cost( &r->asked, curve_of( r, number ), d,
+                                                                             s_noise.values[i], r->per_sweep[number] ) ) );
+    json_object_set_new( json, "wanted", wanted );
+    return RF_SET_FIGURES( json, { "relmse", d->error.relmse }, { "low", d->error.low }, { "high", d->error.high },
+                           { "exponent", d->exponent }, { "denoiser_seconds", d->seconds }, { "pixels", d->pixels } );
+}
+
 static json_t* cost_json( const void* user )
 {
     const Job* r = user;
@@ -296,6 +354,7 @@ static json_t* cost_json( const void* user )
                               "f1_squared_of_one_sample", both_json( cost->plain.f1_squared, cost->reuse.f1_squared ), "width",
                               s_given.render.size.width, "height", s_given.render.size.height, "places", cost->positions,
                               "frames", r->asked.shot.frame_count );
+    rf_json_add( json, "{s:[o, o]}", "denoised", denoised_json( r, 0 ), denoised_json( r, 1 ) );
     return RF_SET_FIGURES( json, { "slope", reuse->value }, { "slope_low", reuse->low }, { "slope_high", reuse->high },
                            { "slope_plain", plain->value }, { "slope_plain_low", plain->low },
                            { "slope_plain_high", plain->high }, { "speedup_at_equal_error", speedup->value },
@@ -339,17 +398,51 @@ static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSer
                                   .style = style };
 }
 
+#define DENOISED_REACH 8 // how many times fewer samples the line of denoised pictures shows
+
+// The point that was measured, and a line by its exponent. False where there is none.
+static bool draw_denoised( const Job* r, int number, Curve* curve, RfPlotSeries series[2] )
+{
+    const RfDenoisedCost* d = r->denoised + number;
+    if ( !( d->spp > 0 && d->error.relmse > 0.0 ) )
+        return false;
+    for ( int k = 0; k < 2; ++k )
+    {
+        double times = k == 0 ? 1.0 : 1.0 / DENOISED_REACH;
+        RfCostPrediction p = rf_predict_samples( &r->asked, curve_of( r, number ), times * d->spp, r->per_sweep[number] );
+        curve->fit_x[k] = p.frame_seconds + d->seconds;
+        curve->fit_y[k] = d->error.relmse * pow( times, -d->exponent );
+    }
+    curve->x[0] = curve->fit_x[0];
+    curve->y[0] = curve->fit_y[0];
+    snprintf( curve->name, sizeof curve->name, "%s", number == 0 ? "path tracing, denoised" : "reuse, denoised" );
+    snprintf( curve->fit_name, sizeof curve->fit_name, "error as samples^%.2f", -d->exponent );
+    series[0] =
+        ( RfPlotSeries ){ .name = curve->name, .x = curve->x, .y = curve->y, .count = 1, .no_line = true, .style = 2 + number };
+    series[1] = ( RfPlotSeries ){ .name = curve->fit_name,
+                                  .x = curve->fit_x,
+                                  .y = curve->fit_y,
+                                  .count = 2,
+                                  .dashed = true,
+                                  .no_markers = true,
+                                  .style = 2 + number };
+    return true;
+}
+
 static RfResult write_cost_plot( const void* user, const char* path, RfError* error )
 {
     const RfCost* cost = &( (const Job*)user )->cost;
-    Curve plain, reuse;
-    RfPlotSeries series[4];
+    Curve plain, reuse, denoised[2];
+    RfPlotSeries series[8];
+    int count = 4;
     snprintf( plain.name, sizeof plain.name, "path tracing" );
     char tile[RF_TILE_NAME_SIZE]; // the legend is narrow
     rf_tile_name( &cost->reuse.tile, tile );
     snprintf( reuse.name, sizeof reuse.name, "group %d, tile %s", cost->reuse.group, tile );
     draw_curve( &cost->plain, 0, &plain, series );
     draw_curve( &cost->reuse, 1, &reuse, series + 2 );
+    for ( int k = 0; k < 2; ++k )
+        count += draw_denoised( user, k, denoised + k, series + count ) ? 2 : 0;
     char subtitle[512], gain[160];
     rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", rf_scene_title( &s_given ), s_given.render.size.width,
@@ -357,13 +450,12 @@ static RfResult write_cost_plot( const void* user, const char* path, RfError* er
     RfPlot plot = { .title = "Error against render time",
                     .subtitle = subtitle,
                     .series = series,
-                    .series_count = 4,
+                    .series_count = count,
                     .x = { .label = "seconds per frame", .log = true },
                     .y = { .label = "relMSE", .log = true } };
     return rf_write_plot( &plot, path, error );
 }
 
-#define BUDGET 60.0 // seconds
 #define ERRORS "0.1,0.01,0.001"
 
 static const char* const s_files[] = { "SCENE" };
@@ -384,6 +476,10 @@ static const RfOption s_options[] = {
     RF_RESULT_OPTIONS( s_given.render, "write the result as JSON; - for standard output", "no progress" ),
     RF_GROUP_OPTION( s_given.render, "with reuse, share paths between 2N+1 neighbouring frames" ),
     RF_TILE_OPTION( s_given.render ),
+    RF_FLAG_OPTION( "denoise", &s_given.render.denoise,
+                    "also measure what denoised pictures cost, as of render --denoise, bias included", .in_file = true,
+                    .heading = RF_HEADING_QUALITY ),
+    RF_DENOISER_OPTION( s_given.render.denoiser ),
     RF_MACHINE_OPTIONS( s_given.render, "threads" ),
     RF_ESTIMATOR_OPTION( s_given.render ),
     RF_EFFECT_OPTIONS( s_given.render ),
@@ -472,8 +568,14 @@ static RfResult search( void* user, RfError* error )
     };
     if ( s_noise.count > 0 )
         job->asked.relmse = s_noise.values[s_noise.count / 2];
-    job->asked.budget = rf_budget_left( &job->command, &job->asked.deadline );
+    double budget = rf_budget_left( &job->command, &job->asked.deadline );
+    if ( s_given.render.denoise )
+        RF_TRY( rf_open_denoiser( s_given.render.denoiser, s_given.render.settings.threads, &job->denoiser, error ) );
+    job->asked.budget = job->denoiser != NULL ? ( 1.0 - 2.0 * DENOISED_SHARE ) * budget : budget;
     RfResult result = rf_measure_cost( &job->asked, &job->cost, error );
+    for ( int k = 0; k < 2 && job->denoiser != NULL && result == RF_OK; ++k )
+        result = rf_measure_denoised_cost( &job->asked, curve_of( job, k ), job->denoiser, DENOISED_SHARE * budget,
+                                           job->denoised + k, error );
     job->command.found = job->cost.reuse.count > 0;
     if ( result != RF_ERROR_INTERRUPTED )
         return result;
@@ -496,5 +598,7 @@ int rf_command_cost( int argc, char** argv )
                                 .user = &job,
                                 .argc = argc,
                                 .argv = argv } };
-    return rf_run_trial_command( &job.command );
+    int status = rf_run_trial_command( &job.command );
+    rf_close_denoiser( job.denoiser );
+    return status;
 }
