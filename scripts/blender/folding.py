@@ -1,7 +1,7 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
 from . import cloth, grain, packed
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, colour_source, f0_of, is_constant, number_source
-from .gloss import (Layers, Shell, as_gloss, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
+from .gloss import (Layers, Shell, as_gloss, as_varnish, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
                     schlick, tell_multiple, views)
 from .mixtures import as_curtain, as_glass, as_one
 from .shader_tree import Values
@@ -242,6 +242,8 @@ class Folder(Values):
         self.settle_base(a)
         self.settle_base(b)
         one = as_gloss(self, a, b, (self.rest(t), t), node) or as_curtain(self, a, b, t)
+        if one is None and is_constant(t):
+            one = as_varnish(self, a, b, lambda c: t + 0.0 * c, node) or as_varnish(self, b, a, lambda c: 1.0 - t + 0.0 * c, node)
         if one is not None:
             return one
         for one, other in ((a, b), (b, a)):

@@ -3,6 +3,7 @@
 Cycles mixes the two by a share, fixed or Fresnel's of the normal. glTF's coat reflects Schlick's share of the half vector, which
 takes it from the base both ways, or not at all (`added`). Base and coat get the means that the two shaders have.
 """
+import dataclasses
 import functools
 import math
 
@@ -53,13 +54,17 @@ def lobe(roughness, steps=STEPS):
     return cosine, seen, (FRONT + 1.0) * cosine**FRONT, numpy.where(out > 0.0, near / (near + smith(up, alpha)), 0.0)
 
 
-def means_of_lobe(roughness, curve):
-    """Means over directions of view of what GGX reflects of uniform light times a factor of the cosine of the direction of view, and
-    times 1 and Schlick's (1 - cos)^5 of the half vector."""
+def lobe_under(roughness, curve):
+    """Means over directions of view of what GGX reflects of uniform light times a factor of the cosine of the direction of view: of white
+    facets, and of Schlick's (1 - cos)^5 of the half vector."""
     cosine, seen, front, gain = lobe(roughness)
-    weight = front * gain
-    mean = lambda f: float((weight * f).mean())  # noqa: E731
-    return mean(curve(cosine)), mean(1.0), mean((1.0 - seen) ** 5)
+    weight = front * gain * curve(cosine)
+    return float(weight.mean()), float((weight * (1.0 - seen) ** 5).mean())
+
+
+def means_of_lobe(roughness, curve):
+    """That of white facets with a factor, and both without."""
+    return (lobe_under(roughness, curve)[0], *lobe_under(roughness, numpy.ones_like))
 
 
 def mean_of(function):
@@ -146,6 +151,52 @@ def as_gloss(folder, a, b, weights, node):
             _, straight, steep = lobe_of(gloss, lambda c: c)
             return under(base, gloss, kept, share, share * straight, share, (straight, steep))
     return None
+
+
+def as_varnish(folder, a, b, curve, node):
+    """Principled under gloss by a factor of the cosine of the direction of view. The gloss becomes the clear coat where that can be as
+    bright, else both have one lobe; None if these are not the two."""
+    values = (a.base, a.metallic, a.roughness, a.specular, a.f0, a.clearcoat, a.transmission, b.base, b.roughness)
+    if None in values or not all(is_constant(v) for v in values[1:]) or not is_gloss(b) or a.base == b.base or a.normal != b.normal:
+        return None
+    if a.metallic == 1.0 or a.specular == 0.0 or (a.transmission, a.alpha, a.aspect, b.aspect, a.film, b.film) != (0.0, 1.0, 1.0, 1.0, None, None):
+        return None
+    out, kept = dataclasses.replace(a), lambda c: 1.0 - curve(c)
+    if a.principled:
+        out.scale, out.lift = base_of_principled(a)
+    straight, steep = lobe_under(a.roughness, kept)
+    f0 = [F0_OF_GLTF * a.specular * f for f in (a.f0 if isinstance(a.f0, tuple) else (a.f0,) * 3)]
+    gloss = [f * (straight - steep) + a.specular * steep for f in f0]
+    reflected, straight, steep = means_of_lobe(b.roughness, curve)
+    varnish = [reflected * b.scale * c * gain for c, gain in zip(b.base, b.gain)]
+    share = mean_of(kept)
+    coat = sum(varnish) / 3.0 / (F0_OF_GLTF * (straight - steep) + steep)
+    if a.clearcoat == 0.0 and coat <= 1.0 == CLEARCOAT and min(b.base) >= 0.9 * max(b.base):
+        out.clearcoat, out.clearcoat_roughness = coat, b.roughness
+        left = lambda c: 1.0 - coat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(c))  # noqa: E731
+        below = share / (mean_of(left) * average(left))
+        straight, steep = lobe_under(a.roughness, lambda c: left(c) ** 2)
+    elif a.metallic != 0.0:
+        return None
+    else:
+        below = share
+        parts = sum(gloss), sum(varnish)
+        out.roughness = (parts[0] * a.roughness + parts[1] * b.roughness) / sum(parts)
+        if min(parts) > 0.1 * sum(parts) and abs(a.roughness - b.roughness) > 0.1:
+            folder.warn(node, "gloss of two roughnesses: both have the mean of the two")
+        out.clearcoat *= share
+        out.specular = min(float(kept(0.0)) * a.specular + float(curve(0.0)) * max(b.base), 1.0)
+        gloss = [g + v for g, v in zip(gloss, varnish)]
+        straight, steep = lobe_under(out.roughness, numpy.ones_like)
+    out.scale *= below
+    out.emission = folder.times(a.emission, (share,) * 3, True)
+    f0 = [min(max((g - out.specular * steep) / (straight - steep), 0.0), out.specular) for g in gloss]
+    if is_constant(a.base):
+        lack = [g - f * (straight - steep) - out.specular * steep for f, g in zip(f0, gloss)]
+        out.lift = tuple(below * low + x for low, x in zip(out.lift, lack))
+    out.f0 = tuple(f / F0_OF_GLTF / out.specular for f in f0)
+    out.principled, out.added = False, True
+    return out
 
 
 # The surfaces of Blender 4, whose layers take from each other what they reflect, as glTF's base under a coat.

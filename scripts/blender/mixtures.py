@@ -4,7 +4,7 @@ import math
 import numpy
 
 from .channels import BLACK, Surface, WHITE, is_constant
-from .gloss import as_coat, fresnel, mean_of
+from .gloss import as_coat, as_varnish, fresnel, mean_of
 
 SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
 DENSEST = 20.0  # index of refraction
@@ -148,7 +148,7 @@ def as_one(folder, a, b, source, node):
         if ior is None:
             folder.warn(node, "a factor of its own for what it reflects: taken as Fresnel's of the same mean")
         return pane
-    coat = as_coat(a, b, curve, ior is not None)
+    coat = as_coat(a, b, curve, ior is not None) or as_varnish(folder, a, b, curve, node)
     if coat is not None and ior is None:
         folder.warn(node, "a factor of its own for the angle: taken as Schlick's of the same mean")
     if coat is not None and ior is not None and min(b.base) < 0.9 * max(b.base):

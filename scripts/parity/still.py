@@ -267,6 +267,17 @@ def mixes():
 
 
 @scene()
+def varnish():
+    """Gloss over Principled, of another roughness or colour."""
+    def of(name, colour, factor, gloss=(1.0, 1.0, 1.0), **values):
+        return material(name, lambda t: mix(t, factor(t), add(t, "BsdfPrincipled", Base_Color=colour, **values),
+                                            add(t, "BsdfGlossy", Color=gloss, Roughness=0.1)))
+    sample(of("by Fresnel", RED, lambda t: add(t, "Fresnel", IOR=1.45)),
+           of("by Layer Weight", BLUE, lambda t: add(t, "LayerWeight", Blend=0.5).outputs["Fresnel"], GOLD, Roughness=0.4),
+           of("by a share", RED, lambda t: 0.3))
+
+
+@scene()
 def facing():
     def shader(t):
         weight = add(t, "LayerWeight", Blend=0.5).outputs["Facing"]
