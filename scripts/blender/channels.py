@@ -63,7 +63,7 @@ class Surface:
     left: float = 1.0  # of the base of Blender 3's Principled, by sheen, which takes nothing there
 
 
-WHITE, BLACK = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+WHITE, BLACK, MAGENTA = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 1.0)
 COLOURS = ("base", "emission")
 
 
@@ -104,6 +104,11 @@ _grey = {}
 def is_read(image):
     """Is the image there? Asking for a pixel loads it."""
     return image is not None and image.size[0] > 0 and (image.has_data or len(image.pixels) > 0)
+
+
+def is_missing(node):
+    """Does Cycles show magenta for want of the image?"""
+    return node.type == "TEX_IMAGE" and not is_read(node.image)
 
 
 def is_grey(image):

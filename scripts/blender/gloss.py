@@ -453,6 +453,7 @@ def tell_held(plan):
     if not s.principled or s.specular == 0.0 or not all(is_constant(v) for v in values) or isinstance(s.f0, tuple):
         return
     f0 = F0_OF_GLTF * s.f0
-    left = (1.0 - (f0 + (1.0 - f0) * SCHLICK) * float(lobes(s.roughness)[1].mean())) / max(*s.base, 1e-6)
+    factor, summand = base_of_principled(s) or (1.0, BLACK)
+    left = (1.0 - (f0 + (1.0 - f0) * SCHLICK) * float(lobes(s.roughness)[1].mean())) / max(factor * max(s.base) + summand[0], 1e-6)
     if s.metallic < 1.0 and s.transmission == 0.0 and left < 1.0 - REPORTED:
-        plan.tell(None, "reflects more light than arrives in Blender: its diffuse part is %.0f %% darker" % (100.0 * (1.0 - left)))
+        plan.tell(None, "reflects more light than arrives in Blender: its diffuse part is %.0f %% darker in even light" % (100.0 * (1.0 - left)))

@@ -2,7 +2,7 @@
 import bpy
 
 from . import displacement, grain, packed, shader_tree
-from .channels import ADDED, BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_read, number_source
+from .channels import ADDED, BLACK, Ref, Surface, WORDS, carried, finish, is_constant, is_missing, number_source
 from .folding import Folder, settle_flat
 from .gloss import base_of_principled, tell_held
 from .messages import lose, warn
@@ -145,7 +145,7 @@ def make_plan(material, users, still=None):
                   not out.inputs["Displacement"].is_linked and is_only_output(material) and
                   not any(first.inputs[n].is_linked for n in ("Subsurface", "Subsurface Color")) and
                   first.inputs["Subsurface"].default_value == 0.0 and max(plan.surface.sheen) == 0.0 and plan.surface.aspect == 1.0 and
-                  not is_odd)
+                  not is_odd and not any(is_missing(n) for n in behind))
     return plan
 
 
@@ -190,7 +190,7 @@ def shine_through(plan):
 
 def tell_images(plan, nodes):
     for node in nodes:
-        if node.type == "TEX_IMAGE" and not is_read(node.image):
+        if is_missing(node):
             name = node.image.name if node.image is not None else ""
             plan.tell(node, "%s: magenta, as in Cycles" % ("its image '%s' cannot be read" % name if name else "it has no image"))
         elif node.type == "SHADERTORGB":

@@ -3,7 +3,7 @@ import math
 
 import bpy
 
-from .channels import BLACK, Ref, WHITE, is_constant
+from .channels import BLACK, MAGENTA, Ref, WHITE, is_constant, is_missing
 
 # properties of the editor, and those that copying a node by its values must not touch
 SKIPPED = {"rna_type", "name", "label", "location", "width", "width_hidden", "height", "dimensions", "select", "parent", "color",
@@ -273,6 +273,10 @@ CALCULATE = {
 }
 
 
+def grey_of(colour):
+    return sum(w * c for w, c in zip((0.2126, 0.7152, 0.0722), colour))
+
+
 class Values:
     """A shader tree, in which nodes are put that calculate; `warn(node, text)` tells what is lost."""
 
@@ -292,9 +296,12 @@ class Values:
             return value_of(socket)
         source = socket.links[0].from_socket
         kind, colour = source.node.type, socket.type in ("RGBA", "VECTOR")
+        if is_missing(source.node):
+            value = MAGENTA if source.name == "Color" else WHITE
+            return value if colour else grey_of(value)
         if kind == "RGB":
             value = value_of(source)
-            return value if colour else 0.2126 * value[0] + 0.7152 * value[1] + 0.0722 * value[2]
+            return value if colour else grey_of(value)
         if kind == "VALUE":
             value = value_of(source)
             return (value,) * 3 if colour else value
