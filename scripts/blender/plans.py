@@ -129,7 +129,7 @@ def make_plan(material, users, still=None):
     tell_inside(plan, out)
     is_odd = tell_odd(plan)
     finish(plan.surface)
-    settle_flat(plan.surface)
+    settle_flat(folder, plan.surface)
     plan.surface.thin |= thin
     tell_held(plan)
     tell_shadows(plan)
