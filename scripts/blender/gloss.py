@@ -153,39 +153,67 @@ def as_gloss(folder, a, b, weights, node):
     return None
 
 
+SHINY = 0.2  # reflectance straight on: metal that became a coat (folding.py) has more
+
+
+def is_metal(s):
+    """Gloss, or bright metal, which is a coat."""
+    if s.metallic == 1.0 or s.f0 is None or not all(is_constant(v) for v in (s.base, s.f0, s.specular)):
+        return s.metallic == 1.0
+    return (s.metallic, s.transmission, s.clearcoat) == (0.0, 0.0, 0.0) and F0_OF_GLTF * s.specular * max(three(s.f0)) > SHINY
+
+
+def three(value):
+    return value if isinstance(value, tuple) else (value,) * 3
+
+
+def parts_of(s, share):
+    """What is diffuse, if its base is known, and what is gloss of a surface, with a factor of the cosine of the direction of view."""
+    straight, steep = lobe_under(s.roughness, share)
+    if s.metallic == 1.0:
+        return BLACK, [straight * s.scale * c * gain for c, gain in zip(s.base, s.gain)]
+    diffuse = [mean_of(share) * (s.scale * c + x) for c, x in zip(s.base, s.lift)] if is_constant(s.base) else None
+    return diffuse, [s.specular * (F0_OF_GLTF * f * (straight - steep) + steep) for f in three(s.f0)]
+
+
 def as_varnish(folder, a, b, curve, node):
-    """Principled under gloss by a factor of the cosine of the direction of view. The gloss becomes the clear coat where that can be as
+    """A surface under gloss by a factor of the cosine of the direction of view. The gloss becomes the clear coat where that can be as
     bright, else both have one lobe; None if these are not the two."""
-    values = (a.base, a.metallic, a.roughness, a.specular, a.f0, a.clearcoat, a.transmission, b.base, b.roughness)
-    if None in values or not all(is_constant(v) for v in values[1:]) or not is_gloss(b) or a.base == b.base or a.normal != b.normal:
+    if not is_metal(b) or a.base is None or a.base in (b.base, BLACK) or a.normal != b.normal or b.emission != BLACK or b.sheen != BLACK:
         return None
-    if a.metallic == 1.0 or a.specular == 0.0 or (a.transmission, a.alpha, a.aspect, b.aspect, a.film, b.film) != (0.0, 1.0, 1.0, 1.0, None, None):
+    out = dataclasses.replace(a)
+    for name, value in (("metallic", 0.0), ("roughness", b.roughness), ("specular", 0.0), ("f0", 0.0), ("transmission", 0.0)):
+        setattr(out, name, value if getattr(a, name) is None else getattr(a, name))
+    values = (out.metallic, out.roughness, out.specular, out.f0, out.clearcoat, b.base, b.roughness)
+    if not all(is_constant(v) for v in values) or is_metal(out) or b.clearcoat != 0.0 or b.transmission not in (None, 0.0):
         return None
-    out, kept = dataclasses.replace(a), lambda c: 1.0 - curve(c)
-    if a.principled:
-        out.scale, out.lift = base_of_principled(a)
-    straight, steep = lobe_under(a.roughness, kept)
-    f0 = [F0_OF_GLTF * a.specular * f for f in (a.f0 if isinstance(a.f0, tuple) else (a.f0,) * 3)]
-    gloss = [f * (straight - steep) + a.specular * steep for f in f0]
-    reflected, straight, steep = means_of_lobe(b.roughness, curve)
-    varnish = [reflected * b.scale * c * gain for c, gain in zip(b.base, b.gain)]
+    if (out.transmission, a.alpha, b.alpha, a.aspect, b.aspect, a.film, b.film) != (0.0, 1.0, 1.0, 1.0, 1.0, None, None):
+        return None
+    for s in (out, b):
+        if s.principled and s.metallic != 1.0:
+            s.scale, s.lift = base_of_principled(s)
+            s.principled = False
+    kept = lambda c: 1.0 - curve(c)  # noqa: E731
+    (_, gloss), (more, varnish) = parts_of(out, kept), parts_of(b, curve)
+    straight, steep = means_of_lobe(b.roughness, curve)[1:]
     share = mean_of(kept)
     coat = sum(varnish) / 3.0 / (F0_OF_GLTF * (straight - steep) + steep)
-    if a.clearcoat == 0.0 and coat <= 1.0 == CLEARCOAT and min(b.base) >= 0.9 * max(b.base):
+    if b.metallic == 1.0 and a.clearcoat == 0.0 and coat <= 1.0 == CLEARCOAT and min(b.base) >= 0.9 * max(b.base):
         out.clearcoat, out.clearcoat_roughness = coat, b.roughness
         left = lambda c: 1.0 - coat * (F0_OF_GLTF + (1.0 - F0_OF_GLTF) * schlick(c))  # noqa: E731
         below = share / (mean_of(left) * average(left))
-        straight, steep = lobe_under(a.roughness, lambda c: left(c) ** 2)
-    elif a.metallic != 0.0:
+        straight, steep = lobe_under(out.roughness, lambda c: left(c) ** 2)
+    elif out.metallic != 0.0 or not is_constant(a.base) and max(more) > 0.0:
         return None
     else:
         below = share
         parts = sum(gloss), sum(varnish)
-        out.roughness = (parts[0] * a.roughness + parts[1] * b.roughness) / sum(parts)
-        if min(parts) > 0.1 * sum(parts) and abs(a.roughness - b.roughness) > 0.1:
+        if min(parts) > 0.1 * sum(parts) and abs(out.roughness - b.roughness) > 0.1:
             folder.warn(node, "gloss of two roughnesses: both have the mean of the two")
+        out.roughness = (parts[0] * out.roughness + parts[1] * b.roughness) / max(sum(parts), 1e-9)
         out.clearcoat *= share
-        out.specular = min(float(kept(0.0)) * a.specular + float(curve(0.0)) * max(b.base), 1.0)
+        most = max(b.base) if b.metallic == 1.0 else b.specular
+        out.specular = min(float(kept(0.0)) * out.specular + float(curve(0.0)) * most, 1.0)
         gloss = [g + v for g, v in zip(gloss, varnish)]
         straight, steep = lobe_under(out.roughness, numpy.ones_like)
     out.scale *= below
@@ -193,8 +221,8 @@ def as_varnish(folder, a, b, curve, node):
     f0 = [min(max((g - out.specular * steep) / (straight - steep), 0.0), out.specular) for g in gloss]
     if is_constant(a.base):
         lack = [g - f * (straight - steep) - out.specular * steep for f, g in zip(f0, gloss)]
-        out.lift = tuple(below * low + x for low, x in zip(out.lift, lack))
-    out.f0 = tuple(f / F0_OF_GLTF / out.specular for f in f0)
+        out.lift = tuple(below * low + x + d for low, x, d in zip(out.lift, lack, more))
+    out.f0 = tuple(f / F0_OF_GLTF / max(out.specular, 1e-6) for f in f0)
     out.principled, out.added = False, True
     return out
 

@@ -4,7 +4,7 @@ import math
 import numpy
 
 from .channels import BLACK, Surface, WHITE, is_constant
-from .gloss import as_coat, as_varnish, fresnel, mean_of
+from .gloss import as_coat, as_varnish, fresnel, is_metal, mean_of
 
 SHARP = 0.1  # reflections of a pane are taken as sharp up to this roughness
 DENSEST = 20.0  # index of refraction
@@ -86,7 +86,7 @@ def as_pane(a, b, ior):
     """What is transparent under sharp gloss is a thin pane; None if these are not the two."""
     clear = a.alpha == 0.0
     tinted = a.alpha == 1.0 and a.transmission == 1.0 and a.ior == 1.0
-    if not (clear or tinted) or not is_constant(b.roughness) or b.roughness > SHARP:
+    if not (clear or tinted) or b.metallic != 1.0 or not is_constant(b.roughness) or b.roughness > SHARP:
         return None
     return Surface(base=WHITE if clear else a.base, metallic=0.0, roughness=0.0, specular=1.0, transmission=1.0, ior=max(ior, 1.0),
                    thin=True)
@@ -136,9 +136,9 @@ def as_one(folder, a, b, source, node):
     if curve is None:
         return None
     curve, ior = within(curve), ior_of(folder, source)
-    if a.metallic == 1.0 and b.metallic != 1.0:
+    if is_metal(a) and not is_metal(b):
         a, b, curve, ior = b, a, (lambda c, f=curve: 1.0 - f(c)), None
-    if b.metallic != 1.0 or b.alpha != 1.0:
+    if not is_metal(b) or b.alpha != 1.0:
         return None
     folder.make_opaque(a, node)
     pane = as_pane(a, b, ior if ior is not None else index_like(curve))
