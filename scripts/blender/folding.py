@@ -1,4 +1,6 @@
 """A shader tree folded into the channels of glTF's material: mixes of shaders become mixes of channels."""
+import numpy
+
 from . import cloth, grain, packed
 from .channels import BLACK, F0_OF_GLTF, Ref, Surface, WHITE, colour_source, f0_of, is_constant, number_source
 from .gloss import (Layers, Shell, as_gloss, as_varnish, gloss_of, gloss_of_3, mean, of_conductor, of_metal, of_rough_diffuse, reflected,
@@ -332,7 +334,8 @@ class Folder(Values):
         self.make_opaque(b, node)
         self.settle_base(a)
         self.settle_base(b)
-        one = as_gloss(self, a, b, (1.0, 1.0), node)
+        one, ones = as_gloss(self, a, b, (1.0, 1.0), node), numpy.ones_like
+        one = one or as_varnish(self, a, b, ones, node, ones) or as_varnish(self, b, a, ones, node, ones)
         if one is not None:
             return one
         weights = [sum(s.base) if s.base is not None and is_constant(s.base) else None for s in (a, b)]

@@ -176,8 +176,8 @@ def parts_of(s, share):
     return diffuse, [s.specular * (F0_OF_GLTF * f * (straight - steep) + steep) for f in three(s.f0)]
 
 
-def as_varnish(folder, a, b, curve, node):
-    """A surface under gloss by a factor of the cosine of the direction of view. The gloss becomes the clear coat where that can be as
+def as_varnish(folder, a, b, curve, node, kept=None):
+    """A surface under gloss by a factor of the cosine of the direction of view, which leaves the rest, or `kept`. The gloss becomes the clear coat where that can be as
     bright, else both have one lobe; None if these are not the two."""
     if not is_metal(b) or a.base is None or a.base in (b.base, BLACK) or a.normal != b.normal or b.emission != BLACK or b.sheen != BLACK:
         return None
@@ -193,7 +193,7 @@ def as_varnish(folder, a, b, curve, node):
         if s.principled and s.metallic != 1.0:
             s.scale, s.lift = base_of_principled(s)
             s.principled = False
-    kept = lambda c: 1.0 - curve(c)  # noqa: E731
+    kept = kept or (lambda c: 1.0 - curve(c))
     (_, gloss), (more, varnish) = parts_of(out, kept), parts_of(b, curve)
     straight, steep = means_of_lobe(b.roughness, curve)[1:]
     share = mean_of(kept)
