@@ -270,7 +270,7 @@ def tell_coarse(shapes_seen):
     """Cycles moves the origins of shadow rays off coarse faces towards the smooth surface that their normals mean."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     tell([o for o in shapes_seen if shadow_offset_of(o) > 0.0 and is_coarse(o, depsgraph)],
-         "large smooth faces: darker than in Blender where they turn from the light")
+         "large smooth faces: up to 20 % darker where they turn from the light")
 
 
 def tell_linking(lamps):

@@ -92,7 +92,7 @@ BLENDER_TEST( test_instances_are_reported_as_well )
     expect_warnings( "instances", ( const char* const[MOST] ){
                                       "'torch': lights through everything in Blender: throws shadows here",
                                       "'ghost': hidden from some kinds of rays in Blender: seen by all here",
-                                      "'ghost': large smooth faces: darker than in Blender where they turn from the light",
+                                      "'ghost': large smooth faces: up to 20 % darker where they turn from the light",
                                       "'pit': left out: holdouts do not exist in Reframe",
                                       "'fur': hair: left out",
                                       "'dust': a point cloud: left out",
