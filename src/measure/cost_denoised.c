@@ -28,13 +28,7 @@ static RfResult take_frame( void* user, const RfFrameResult* frame, RfError* err
 {
     Study* s = user;
     RfDenoised denoised;
-    const RfNoisyFrame noisy = { .width = frame->width,
-                                 .height = frame->height,
-                                 .rgb = frame->rgb,
-                                 .half = frame->aovs[RF_AOV_HALF],
-                                 .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
-                                 .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
-                                 .passes = frame->native_spp };
+    const RfNoisyFrame noisy = rf_noisy_frame( frame );
     double start = rf_wall_seconds(), pixels = (double)frame->width * frame->height;
     float* rgb = malloc( 3 * sizeof( float ) * (size_t)pixels );
     RfResult result = rgb != NULL ? rf_denoise( s->denoiser, &noisy, rgb, &denoised, &s->sums, error )

@@ -53,15 +53,9 @@ RfResult rf_denoise_frame( RfDenoiser* denoiser, const RfFrameResult* frame, RfD
     if ( out->layers == NULL || out->pixels == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d denoised layers of %dx%d pixels", most, frame->width,
                         frame->height );
-    const RfNoisyFrame noisy = { .width = frame->width,
-                                 .height = frame->height,
-                                 .rgb = frame->rgb,
-                                 .half = frame->aovs[RF_AOV_HALF],
-                                 .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
-                                 .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
-                                 .layer_count = list_layers( frame, out, list ),
-                                 .layers = list,
-                                 .passes = frame->native_spp };
+    RfNoisyFrame noisy = rf_noisy_frame( frame );
+    noisy.layer_count = list_layers( frame, out, list );
+    noisy.layers = list;
     RF_TRY( rf_denoise( denoiser, &noisy, out->pixels, &out->denoised, sums, error ) );
     out->layers[frame->layer_count] = ( RfLayer ){ .name = RF_NOISY_LAYER, .letters = "RGB", .values = frame->rgb };
     out->frame.rgb = out->pixels;

@@ -153,6 +153,18 @@ typedef struct RfFrameResult
     bool reached;                   // neither, by all that is known, or nothing was asked
 } RfFrameResult;
 
+// What rf_denoise takes of a frame, but for layers and the frames beside it.
+static inline RfNoisyFrame rf_noisy_frame( const RfFrameResult* frame )
+{
+    return ( RfNoisyFrame ){ .width = frame->width,
+                             .height = frame->height,
+                             .rgb = frame->rgb,
+                             .half = frame->aovs[RF_AOV_HALF],
+                             .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
+                             .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
+                             .passes = frame->native_spp };
+}
+
 typedef struct RfProgress
 {
     int frames_done, frames_all;

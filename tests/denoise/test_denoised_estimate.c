@@ -100,13 +100,7 @@ static void add_seed( RfDenoiser* denoiser, const RfFrameResult* frame, const fl
     RfDenoised denoised;
     RfError error;
     RfErrorMetrics metrics;
-    const RfNoisyFrame noisy = { .width = WIDTH,
-                                 .height = HEIGHT,
-                                 .rgb = frame->rgb,
-                                 .half = frame->aovs[RF_AOV_HALF],
-                                 .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
-                                 .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
-                                 .passes = frame->native_spp };
+    const RfNoisyFrame noisy = rf_noisy_frame( frame );
     if ( rf_denoise( denoiser, &noisy, clean, &denoised, NULL, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     const RfImage image = { WIDTH, HEIGHT, clean }, truth = { WIDTH, HEIGHT, (float*)reference };
