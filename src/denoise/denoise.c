@@ -19,7 +19,8 @@
 #define WIDE_SHARE 0.1 // which count so much
 #define T_95 1.96
 #define LEAST_EXPONENT 0.25
-#define FEW 10.0 // parts that an interval must not hang on
+#define MUCH_NOISE 0.7 // relMSE of a block
+#define FEW 10.0       // parts that an interval must not hang on
 
 // The steps of the blend: from the picture to the denoised one, and from there to the mean along the motion.
 enum
@@ -251,13 +252,64 @@ static void add_pixel( const Work* w, size_t i, Block* block )
     }
 }
 
+// Pixel number `k` of SIDE² of a block; false where it is beyond the picture.
+static bool is_inside( const Work* w, int b, int k, size_t* pixel )
+{
+    int x = b % w->columns * SIDE + k % SIDE, y = b / w->columns * SIDE + k / SIDE;
+    *pixel = (size_t)y * (size_t)w->frame->width + (size_t)x;
+    return x < w->frame->width && y < w->frame->height;
+}
+
+// The relMSE of the noise in a block.
+static double noise_of_block( const Work* w, int b )
+{
+    double sum = 0.0;
+    int count = 0;
+    for ( int k = 0; k < SIDE * SIDE; ++k )
+    {
+        size_t i;
+        if ( !is_inside( w, b, k, &i ) )
+            continue;
+        double share = share_of( w, i );
+        for ( size_t at = 3 * i; at < 3 * i + 3; ++at )
+            sum += share * ( 1.0 - share ) * apart( w->half, at ) * apart( w->half, at ) / w->below[i];
+        ++count;
+    }
+    return sum / count;
+}
+
+// What squared errors are divided by: where there is much noise, the brightness of the denoised halves, since that of the noisy ones
+// has a part in it; where there is little, that of the noisy ones, since a denoiser blurs detail that is dark.
+static RfResult find_denominators( Work* w, RfError* error )
+{
+    int width = w->frame->width, height = w->frame->height;
+    double* noisy = malloc( w->pixels * sizeof *noisy );
+    if ( noisy == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for denoising %dx%d pixels", width, height );
+    mix_clean( w, w->layer );
+    rf_likely_denominators( width, height, w->layer, w->clean[0], w->clean[1], w->below );
+    rf_likely_denominators( width, height, w->rgb, w->half[0], w->half[1], noisy );
+    for ( int b = 0; b < w->columns * w->rows; ++b )
+    {
+        double noise = noise_of_block( w, b ) / MUCH_NOISE, part = 1.0 / ( 1.0 + noise * noise );
+        for ( int k = 0; k < SIDE * SIDE; ++k )
+        {
+            size_t i;
+            if ( is_inside( w, b, k, &i ) )
+                w->below[i] *= pow( noisy[i] / w->below[i], part );
+        }
+    }
+    free( noisy );
+    return RF_OK;
+}
+
 static void sum_block( const Work* w, int b )
 {
-    int width = w->frame->width, left = b % w->columns * SIDE, top = b / w->columns * SIDE;
-    for ( int y = top; y < top + SIDE && y < w->frame->height; ++y )
+    for ( int k = 0; k < SIDE * SIDE; ++k )
     {
-        for ( int x = left; x < left + SIDE && x < width; ++x )
-            add_pixel( w, (size_t)y * (size_t)width + (size_t)x, w->blocks + b );
+        size_t i;
+        if ( is_inside( w, b, k, &i ) )
+            add_pixel( w, i, w->blocks + b );
     }
 }
 
@@ -601,11 +653,11 @@ RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb
             w.blocks[b].weight[CLEAN] = 1.0;
         if ( frame->half != NULL && result == RF_OK )
         {
-            mix_clean( &w, w.layer );
-            rf_likely_denominators( frame->width, frame->height, w.layer, w.clean[0], w.clean[1], w.below );
+            result = find_denominators( &w, error );
             if ( w.along[0] != NULL )
                 rf_mean_along_motion( frame, w.clean, w.along );
-            result = conclude( &w, denoised, sums, error );
+            if ( result == RF_OK )
+                result = conclude( &w, denoised, sums, error );
         }
         if ( result == RF_OK )
             result = blend_layers( denoiser, &w, scale, error );
