@@ -6,7 +6,6 @@
 #include "render/adaptive/adaptive.h"
 #include "render/pieces.h"
 #include "render/specks.h"
-#include "render/stop/until.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,13 +54,11 @@ void rf_open_films( RfRenderer* r, int number )
     }
 }
 
-static RfMissed note_finished( RfRenderer* r, RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
+static RfMissed note_finished( RfRenderer* r, const RfLiveFilm* live, const RfFilm* film, const RfRelmse* relmse,
                                const RfFlicker* flicker )
 {
     double weight = film->weight[0] + film->weight[1];
-    bool judged = r->setup->callbacks.judge != NULL && r->setup->settings.noise > 0.0;
-    if ( judged && live->noise_seen != weight )
-        rf_estimate_noise( r, live ); // into the buffer that has the same picture already
+    bool judged = r->setup->callbacks.judge != NULL && r->setup->settings.noise > 0.0 && live->noise_seen == weight;
     return rf_note_finished( &r->stop,
                              ( RfFrameNoise ){ .frame = live->frame,
                                                .pair = live->pair,

@@ -243,7 +243,7 @@ RfResult rf_render_group( RfRenderer* r, int number, RfError* error )
             rf_note_group_pass( r, group.eyes );
     }
     if ( setup->sizes.stopping )
-        rf_end_until( r );
+        rf_end_until( r, number );
 
     // ---- frames that no later group sees are finished
     return rf_close_films( r, number, error );

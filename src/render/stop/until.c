@@ -72,7 +72,7 @@ static double estimate_flicker( const RfRenderer* r, int number, RfLiveFilm* liv
 // A judge takes time: none is asked as long as the noise is so many times what is wanted.
 #define MOST_GAIN 30.0
 
-static bool is_judged( const RfRenderer* r ) { return r->setup->callbacks.judge != NULL; }
+static bool is_judged( const RfRenderer* r ) { return r->setup->callbacks.judge != NULL && r->setup->settings.noise > 0.0; }
 
 // v of what is made of the picture in the buffer.
 static double judge( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer* buffer )
@@ -90,7 +90,7 @@ static double judge( const RfRenderer* r, const RfLiveFilm* live, RfFrameBuffer*
 }
 
 // The picture is made in a buffer that waits for the next frame.
-void rf_estimate_noise( RfRenderer* r, RfLiveFilm* live )
+static void estimate_noise( RfRenderer* r, RfLiveFilm* live )
 {
     RfFrameBuffer* buffer = rf_next_frame_buffer( &r->queue );
     RfRelmse relmse = rf_finish_picture( r, live, &( RfPicture ){ .rgb = buffer->rgb } );
@@ -107,7 +107,7 @@ void rf_estimate_noise( RfRenderer* r, RfLiveFilm* live )
 static void estimate( RfRenderer* r, int number, RfLiveFilm* live )
 {
     if ( r->setup->settings.noise > 0.0 )
-        rf_estimate_noise( r, live );
+        estimate_noise( r, live );
     live->noise_seen = live->films->weight[0] + live->films->weight[1];
     if ( r->setup->settings.flicker > 0.0 )
         live->flicker = estimate_flicker( r, number, live );
@@ -184,4 +184,9 @@ void rf_note_group_pass( RfRenderer* r, int eyes )
     r->until.done += 1;
 }
 
-void rf_end_until( RfRenderer* r ) { rf_end_group( &r->stop, r->until.done ); }
+void rf_end_until( RfRenderer* r, int number )
+{
+    if ( is_judged( r ) )
+        estimate_films( r, number, r->until.done );
+    rf_end_group( &r->stop, r->until.done );
+}

@@ -10,13 +10,10 @@ RfGroup rf_begin_until( RfRenderer* renderer, int number );
 // Whether settings.noise, flicker and time want another pass of the group.
 bool rf_is_pass_due( RfRenderer* renderer, int number );
 
-// Estimates the noise of a frame in work for its passes so far, or what callbacks.judge says where that is less.
-void rf_estimate_noise( RfRenderer* renderer, RfLiveFilm* live );
-
 // A pass of so many frames is done.
 void rf_note_group_pass( RfRenderer* renderer, int eyes );
 
-// The group is done.
-void rf_end_until( RfRenderer* renderer );
+// Group `number` is done: its frames are judged, where that is still to be done.
+void rf_end_until( RfRenderer* renderer, int number );
 
 #endif
