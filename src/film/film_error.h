@@ -60,8 +60,8 @@ static inline double rf_prudent_relmse( const RfRelmse* r )
 // of them is empty. How often it holds is in src/render/README.md.
 RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const float* rgb );
 
-// The denominators of this estimate for all pixels, from a picture and its halves, of 3 floats per pixel, in which no light is too
-// rare to be seen by most pixels, as in denoised ones.
+// The denominators of this estimate for all pixels, from a picture and its halves, of 3 floats per pixel, without what is added for
+// light too rare to be seen by most pixels.
 void rf_likely_denominators( int width, int height, const float* rgb, const float* half_a, const float* half_b, double* below );
 
 // Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames

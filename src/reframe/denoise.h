@@ -93,9 +93,10 @@ typedef struct RfDenoisedSums
 RfResult rf_denoise_halves( RfDenoiser* denoiser, const RfNoisyFrame* frame, RfDenoisedHalves* halves, RfError* error );
 void rf_free_denoised_halves( RfDenoisedHalves* halves );
 
-// Denoises a frame into `rgb`, which may be frame->rgb, and its layers. Each half of the samples is denoised by itself; their mean is
-// blended with the noisy picture where that has less error, and with the frames beside it, along the motion, likewise; the errors are known from the halves (src/denoise/README.md). Pixels
-// that are not finite are kept, and the error of a frame with such is not known. `sums` may be NULL. Fails with RF_ERROR_MEMORY, or RF_ERROR_UNSUPPORTED where the library fails.
+// Denoises a frame into `rgb`, which may be frame->rgb, and its layers. Each half of the samples is denoised by itself. Their mean is
+// blended with the noisy picture, and with the frames beside it along the motion, as far as that lowers the error, which is known
+// from the halves (src/denoise/README.md). Pixels that are not finite are kept, and the error of a frame with such is not known.
+// `sums` may be NULL. Fails with RF_ERROR_MEMORY, or RF_ERROR_UNSUPPORTED where the library fails.
 RfResult rf_denoise( RfDenoiser* denoiser, const RfNoisyFrame* frame, float* rgb, RfDenoised* denoised, RfDenoisedSums* sums,
                      RfError* error );
 
