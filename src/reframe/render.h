@@ -153,18 +153,6 @@ typedef struct RfFrameResult
     bool reached;                   // neither, by all that is known, or nothing was asked
 } RfFrameResult;
 
-// What rf_denoise takes of a frame, but for layers and the frames beside it.
-static inline RfNoisyFrame rf_noisy_frame( const RfFrameResult* frame )
-{
-    return ( RfNoisyFrame ){ .width = frame->width,
-                             .height = frame->height,
-                             .rgb = frame->rgb,
-                             .half = frame->aovs[RF_AOV_HALF],
-                             .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
-                             .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
-                             .passes = frame->native_spp };
-}
-
 typedef struct RfProgress
 {
     int frames_done, frames_all;
@@ -274,6 +262,9 @@ typedef struct RfRenderStats
 // RF_ERROR_INTERRUPTED, or as a callback does.
 RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
                     RfRenderStats* stats, RfError* error );
+
+// What rf_denoise takes of a frame, but for layers and the frames beside it. Its pointers are the frame's.
+RfNoisyFrame rf_noisy_frame( const RfFrameResult* frame );
 
 // The share of the light of all of a shot's path that is beyond settings->max_depth and is missing in its frames, 0 to 1: about, by
 // small pictures of some frames that are rendered with and without. 0 without a limit. Its seed is its own. Fails as rf_render.

@@ -224,3 +224,14 @@ bool rf_group_wanted( const RfRenderer* r, RfGroup group )
         wanted = rf_is_asked( r, frame );
     return wanted;
 }
+
+RfNoisyFrame rf_noisy_frame( const RfFrameResult* frame )
+{
+    return ( RfNoisyFrame ){ .width = frame->width,
+                             .height = frame->height,
+                             .rgb = frame->rgb,
+                             .half = frame->aovs[RF_AOV_HALF],
+                             .albedo = frame->aovs[RF_AOV_DENOISE_ALBEDO],
+                             .normal = frame->aovs[RF_AOV_DENOISE_NORMAL],
+                             .passes = frame->native_spp };
+}
