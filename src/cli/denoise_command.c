@@ -62,6 +62,7 @@ typedef struct Job
     double noisy;      // sum over the frames
     Frame* window[3];  // before, now, after; NULL: there is none, or it is of no use
     int no_halves;     // frames whose error is not known
+    int followed;      // frames that those beside them may help
     double seconds;
     json_t *rows, *warnings;
     RfLog* log;
@@ -343,6 +344,7 @@ static RfResult denoise_frame( Job* job, int number, RfError* error )
     job->seconds += rf_wall_seconds() - start;
     job->noisy += isfinite( denoised.noisy ) ? denoised.noisy : 0.0;
     job->no_halves += isfinite( denoised.denoised.relmse ) == 0;
+    job->followed += is_followed( frame );
     json_t* row = rf_denoised_json( denoised.noisy, &denoised.denoised );
     json_array_append_new( job->rows,
                            RF_SET_FIGURES( rf_json_add( row, "{s:i}", "frame", number ), { "share", denoised.share },
@@ -363,6 +365,8 @@ static RfResult finish( Job* job, RfError* error )
     if ( rf_prints_text( job->json ) && !job->quiet )
         rf_print( "%d frame%s in %s by %s, %.2f s: %s\n", count, count == 1 ? "" : "s", job->pattern,
                   rf_denoiser_name( job->denoiser ), job->seconds, job->sums.frames > 0 ? text : "error unknown" );
+    if ( count > 1 && job->followed == 0 && rf_prints_text( job->json ) && !job->quiet )
+        rf_print( "Each frame is denoised by itself: with --denoise --aov motion, those before and after would help\n" );
     if ( job->json == NULL )
         return rf_flush_output( error );
     json_t* json = rf_denoised_json( noisy, &mean );

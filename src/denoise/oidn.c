@@ -43,6 +43,8 @@ enum
 struct RfDenoiser
 {
     void *library, *device;
+    void* filter;      // kept for pictures alike: its memory is large
+    RfOidnImages last; // what it was made for
     FUNCTIONS( MEMBER )
     char name[64];
 };
@@ -167,6 +169,8 @@ void rf_close_denoiser( RfDenoiser* d )
 {
     if ( d == NULL )
         return;
+    if ( d->filter != NULL )
+        d->oidnReleaseFilter( d->filter );
     if ( d->device != NULL )
         d->oidnReleaseDevice( d->device );
     free( d ); // the library stays: its threads may still run
@@ -175,27 +179,42 @@ void rf_close_denoiser( RfDenoiser* d )
 const char* rf_denoiser_name( const RfDenoiser* d ) { return d->name; }
 
 // The library only reads the inputs.
-static void set_image( RfDenoiser* d, void* filter, const char* name, const float* pixels, const RfOidnImages* size )
+static void set_image( RfDenoiser* d, const char* name, const float* pixels, const RfOidnImages* size )
 {
     if ( pixels != NULL )
-        d->oidnSetSharedFilterImage( filter, name, (void*)pixels, FORMAT_FLOAT3, (size_t)size->width, (size_t)size->height, 0, 0,
-                                     0 );
+        d->oidnSetSharedFilterImage( d->filter, name, (void*)pixels, FORMAT_FLOAT3, (size_t)size->width, (size_t)size->height, 0,
+                                     0, 0 );
+}
+
+static bool are_alike( const RfOidnImages* a, const RfOidnImages* b )
+{
+    return a->width == b->width && a->height == b->height && ( a->albedo != NULL ) == ( b->albedo != NULL ) &&
+           ( a->normal != NULL ) == ( b->normal != NULL );
+}
+
+static RfResult make_filter( RfDenoiser* d, RfError* error )
+{
+    if ( d->filter != NULL )
+        d->oidnReleaseFilter( d->filter );
+    d->filter = d->oidnNewFilter( d->device, "RT" );
+    if ( d->filter == NULL )
+        return check_device( d, error );
+    d->oidnSetFilterBool( d->filter, "hdr", true );
+    d->oidnSetFilterInt( d->filter, "maxMemoryMB", MOST_MEGABYTES );
+    return RF_OK;
 }
 
 RfResult rf_run_oidn( RfDenoiser* d, const RfOidnImages* images, float* clean, RfError* error )
 {
-    void* filter = d->oidnNewFilter( d->device, "RT" );
-    if ( filter == NULL )
-        return check_device( d, error );
-    set_image( d, filter, "color", images->colour, images );
-    set_image( d, filter, "albedo", images->albedo, images );
-    set_image( d, filter, "normal", images->normal, images );
-    set_image( d, filter, "output", clean, images );
-    d->oidnSetFilterBool( filter, "hdr", true );
-    d->oidnSetFilterInt( filter, "maxMemoryMB", MOST_MEGABYTES );
-    d->oidnSetFilterFloat( filter, "inputScale", images->scale );
-    d->oidnCommitFilter( filter );
-    d->oidnExecuteFilter( filter );
-    d->oidnReleaseFilter( filter );
+    if ( d->filter == NULL || !are_alike( images, &d->last ) )
+        RF_TRY( make_filter( d, error ) );
+    d->last = *images;
+    set_image( d, "color", images->colour, images );
+    set_image( d, "albedo", images->albedo, images );
+    set_image( d, "normal", images->normal, images );
+    set_image( d, "output", clean, images );
+    d->oidnSetFilterFloat( d->filter, "inputScale", images->scale );
+    d->oidnCommitFilter( d->filter );
+    d->oidnExecuteFilter( d->filter );
     return check_device( d, error );
 }

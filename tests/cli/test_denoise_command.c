@@ -156,6 +156,7 @@ TEST( test_files_are_denoised_later )
     const CliResult* done = cli_run( "$R denoise one -o later " BOX );
     cli_expect( done, 0, NULL );
     assert_non_null( strstr( done->out, "2 frames in later/now.####.exr by Open Image Denoise 2.0.0, " ) );
+    assert_non_null( strstr( done->out, "\nEach frame is denoised by itself: " ) );
     RfImage now = cli_read_exr( "two/now.0002.exr" ), later = cli_read_exr( "later/now.0002.exr" );
     for ( int i = 0; i < 3 * 64 * 36; ++i )
         assert_true( fabsf( now.rgb[i] - later.rgb[i] ) <= 1e-4f * ( fabsf( now.rgb[i] ) + 0.01f ) );
