@@ -1,6 +1,7 @@
 // Follows points of one frame into the next by depth and motion, and sums the change of their error.
 #include "measure/flicker.h"
 
+#include "film/brightness.h"
 #include "trace/trace.h"
 
 #include <math.h>
@@ -72,9 +73,20 @@ void rf_destroy_flicker_frame( RfFlickerFrame* frame )
 {
     rf_destroy_image( &frame->signal );
     rf_destroy_image( &frame->variance );
+    free( frame->below );
     free( frame->motion );
     free( frame->depth );
     *frame = ( RfFlickerFrame ){ 0 };
+}
+
+RfResult rf_take_brightness( RfFlickerFrame* frame, const RfImage* picture, RfError* error )
+{
+    frame->below = malloc( (size_t)picture->width * (size_t)picture->height * sizeof *frame->below );
+    if ( frame->below == NULL )
+        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the brightness of %dx%d pixels", picture->width,
+                        picture->height );
+    rf_relmse_denominators( picture->rgb, picture->width, picture->height, frame->below );
+    return RF_OK;
 }
 
 static void cross( const double* a, const double* b, double out[3] )
@@ -220,6 +232,7 @@ static bool follow_point( const RfFollow* follow, double* x, double* y, Taps* ta
 typedef struct Group
 {
     int count;
+    double split; // upper end of the slow band, cycles per frame
     const RfFlickerFrame* const* frames;
     RfFollow follow[RF_SPECTRUM_FRAMES];                    // [t]: from frame t to t − 1
     double cosines[RF_SPECTRUM_FRAMES][RF_SPECTRUM_FRAMES]; // [k][t], including s_k
@@ -241,26 +254,37 @@ static void fill_cosines( Group* group )
     }
 }
 
-// Collects the values of a pixel through the group; false if it was not visible in all frames.
+static double below_at( const RfFlickerFrame* frame, const Taps* taps )
+{
+    double sum = frame->below != NULL ? 0.0 : 1.0;
+    for ( int k = 0; k < taps->count && frame->below != NULL; ++k )
+        sum += taps->weight[k] * frame->below[taps->pixel[k]];
+    return sum;
+}
+
+// Collects the values of a pixel through the group, relative to its mean brightness; false if it was not visible in all frames.
 static bool collect( const Group* group, int column, int row, double series[3][RF_SPECTRUM_FRAMES] )
 {
-    double x = column, y = row;
+    double x = column, y = row, below = 0.0;
     int last = group->count - 1;
     Taps taps = { 1, { (size_t)row * (size_t)group->frames[last]->signal.width + (size_t)column }, { 1.0 } };
-    for ( int t = last;; --t )
+    for ( int t = last; t >= 0; --t )
     {
         const float* rgb = group->frames[t]->signal.rgb;
+        below += below_at( group->frames[t], &taps );
         for ( int c = 0; c < 3; ++c )
         {
             series[c][t] = 0.0;
             for ( int i = 0; i < taps.count; ++i )
                 series[c][t] += taps.weight[i] * (double)rgb[3 * taps.pixel[i] + (size_t)c];
         }
-        if ( t == 0 )
-            return true;
-        if ( !follow_point( group->follow + t, &x, &y, &taps ) )
+        if ( t > 0 && !follow_point( group->follow + t, &x, &y, &taps ) )
             return false;
     }
+    double brightness = sqrt( below / group->count );
+    for ( int k = 0; k < 3 * group->count; ++k )
+        series[k % 3][k / 3] /= brightness;
+    return true;
 }
 
 static void add_series( const Group* group, const double* series, RfSpectrumSums* sums )
@@ -271,7 +295,7 @@ static void add_series( const Group* group, const double* series, RfSpectrumSums
         for ( int t = 0; t < group->count; ++t )
             x += group->cosines[k][t] * series[t];
         double power = x * x / group->count, frequency = k / ( 2.0 * group->count );
-        double* band = k == 0 ? &sums->frozen : frequency <= RF_SPECTRUM_SPLIT ? &sums->drift : &sums->boiling;
+        double* band = k == 0 ? &sums->frozen : frequency <= group->split ? &sums->drift : &sums->boiling;
         *band += power;
     }
 }
@@ -300,15 +324,15 @@ static void add_sums( RfSpectrumSums* sums, const RfSpectrumSums* more )
     sums->boiling += more->boiling;
 }
 
-RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
-                                RfError* error )
+RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, double split,
+                                bool compensate, RfError* error )
 {
     if ( count < 2 || count > RF_SPECTRUM_FRAMES )
         return rf_fail( error, RF_ERROR_USAGE, "a spectrum of %d frames is not possible: use 2 to %d", count,
                         RF_SPECTRUM_FRAMES );
     if ( rf_is_cut( frames[count - 1], frames[0] ) )
         return RF_OK;
-    Group group = { .count = count, .frames = frames };
+    Group group = { .count = count, .split = split, .frames = frames };
     fill_cosines( &group );
     bool finite = frames[0]->is_finite;
     for ( int t = 1; t < count; ++t )
@@ -330,7 +354,7 @@ RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* cons
         add_sums( sums, rows + y );
     free( rows );
     sums->groups += 1;
-    if ( 1.0 / ( 2.0 * count ) > RF_SPECTRUM_SPLIT ) // the slow band contains no coefficient
+    if ( 1.0 / ( 2.0 * count ) > split ) // the slow band contains no coefficient
         sums->drift = NAN;
     if ( !finite )
         sums->frozen = sums->drift = sums->boiling = NAN;
@@ -368,12 +392,14 @@ static double variance_at( const RfFlickerFrame* frame, const Taps* taps, int ch
 static void add_pixel( const Pair* pair, size_t pixel, const Taps* taps, RfFlickerSums* sums )
 {
     const RfFlickerFrame *now = pair->follow.now, *before = pair->follow.before;
+    double below = 0.5 * ( ( now->below != NULL ? now->below[pixel] : 1.0 ) + below_at( before, taps ) );
     for ( int c = 0; c < 3; ++c )
     {
         double a = (double)now->signal.rgb[3 * pixel + (size_t)c], b = 0.0;
         for ( int k = 0; k < taps->count; ++k )
             b += taps->weight[k] * (double)before->signal.rgb[3 * taps->pixel[k] + (size_t)c];
         sums->difference += ( a - b ) * ( a - b );
+        sums->relative += ( a - b ) * ( a - b ) / below;
         if ( pair->has_error )
             sums->square += a * a + b * b;
         else if ( now->variance.rgb != NULL && before->variance.rgb != NULL )
@@ -428,7 +454,7 @@ RfResult rf_measure_flicker( const RfFlickerFrame* now, const RfFlickerFrame* be
     if ( !compensate )
         sums->motion = NAN;
     if ( !now->is_finite || !before->is_finite )
-        sums->difference = sums->square = NAN;
+        sums->difference = sums->relative = sums->square = NAN;
     return RF_OK;
 }
 
@@ -439,6 +465,7 @@ void rf_add_flicker( RfFlickerSums* sums, const RfFlickerSums* more )
     sums->all_pixels += more->all_pixels;
     sums->motion += more->motion;
     sums->difference += more->difference;
+    sums->relative += more->relative;
     sums->square += more->square;
 }
 
@@ -451,12 +478,13 @@ static double find_phi( const RfFlickerSums* sums )
 
 RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums )
 {
-    RfFlickerMetrics metrics = { NAN, NAN, NAN, 0.0, NAN };
+    RfFlickerMetrics metrics = { NAN, NAN, NAN, NAN, 0.0, NAN };
     if ( sums->all_pixels > 0.0 )
         metrics.coverage = sums->pixels / sums->all_pixels;
     if ( !( sums->pixels > 0.0 ) )
         return metrics;
     metrics.f1 = sqrt( sums->difference / ( 3.0 * sums->pixels ) );
+    metrics.f1_relative = sqrt( sums->relative / ( 3.0 * sums->pixels ) );
     metrics.phi = find_phi( sums );
     metrics.mse = sums->square / ( 6.0 * sums->pixels );
     metrics.motion = sums->motion / sums->pixels;

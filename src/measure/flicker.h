@@ -23,6 +23,7 @@ typedef struct RfFlickerFrame
     char shot[32];    // of its path; empty where that has no cuts, or another program wrote it
     RfImage signal;   // e = v − r with a reference, else the image v
     RfImage variance; // of v; rgb NULL: unknown
+    double* below;    // brightness² + ε of r, or of v (E23), 1 per pixel; NULL: 1
     float* motion;    // 2 per pixel, or NULL
     float* depth;     // 1 per pixel, or NULL
     bool has_camera;
@@ -31,6 +32,9 @@ typedef struct RfFlickerFrame
 } RfFlickerFrame;
 
 void rf_destroy_flicker_frame( RfFlickerFrame* frame );
+
+// What the errors of a frame are relative to: the brightness of this picture. Fails with RF_ERROR_MEMORY.
+RfResult rf_take_brightness( RfFlickerFrame* frame, const RfImage* picture, RfError* error );
 
 // The reprojection from a frame to the previous one.
 typedef struct RfFollow
@@ -54,6 +58,9 @@ RfFollow rf_follow( const RfFlickerFrame* now, const RfFlickerFrame* before, boo
 // moving highlights if there is. The mean squares in φ come from the variance layer, if any: E e² is the variance of an unbiased
 // estimate. Interpolated, it is Σ weight² · variance, which assumes independent pixels: too small in tiles, where φ comes out too large.
 //
+// The relative F1 divides (e_t − e_{t−1})² by the mean over both frames of brightness² + ε, the denominator of relMSE (E23): its unit
+// is that of percent noise, and dark rooms count as much as bright ones.
+//
 // Over many pairs φ is the quotient of sums. Sums are accumulated in double over each row, then over rows and pairs in order.
 
 // Sums over pairs of frames.
@@ -64,6 +71,7 @@ typedef struct RfFlickerSums
     double all_pixels; // of the later frame
     double motion;     // Σ lengths of the motion vectors, pixels; NaN: not compensated
     double difference; // Σ (e_t − e_{t−1})², over pixels and channels
+    double relative;   // the same, over the mean of `below` of both frames
     double square;     // Σ e_t² + e_{t−1}²; NaN: unknown
 } RfFlickerSums;
 
@@ -92,14 +100,15 @@ RfFlickerMetrics rf_flicker_metrics( const RfFlickerSums* sums );
 // with frequency k / 2T cycles per frame. Σ_k X_k² = Σ_t e_t², so the bands sum to the mean square. The transform extends the signal
 // by reflection, so that a slow drift, whose ends differ, stays in the low band; in a Fourier transform without a window it would leak.
 //   frozen   k = 0: static error; without a reference the image itself
-//   drift    up to 1/8 cycle per frame: periods of 8 frames or more
+//   drift    up to 2 Hz, by the frame rate: 1/12 cycle per frame at 24
 //   boiling  above: changes from frame to frame
-// White noise of 16 frames has 1/16 of its mean square in frozen, 4/16 in drift, 11/16 in boiling. A group of 16 frames starts every
-// 8 frames, and one ends with the last frame; a shorter sequence is a single group. Fewer than four frames cannot resolve drift (NaN).
+// White noise of 16 frames at 24 a second has 1/16 of its mean square in frozen, 2/16 in drift, 13/16 in boiling. A group of 16 frames
+// starts every 8 frames, and one ends with the last frame; a shorter sequence is a single group. With less than a quarter of a second,
+// drift cannot be told (NaN).
 
 #define RF_SPECTRUM_FRAMES 16
 #define RF_SPECTRUM_STEP 8
-#define RF_SPECTRUM_SPLIT 0.125 // cycles per frame, upper end of the slow band
+#define RF_DRIFT_HERTZ 2.0 // upper end of the slow band
 
 // Sums over groups.
 typedef struct RfSpectrumSums
@@ -107,10 +116,10 @@ typedef struct RfSpectrumSums
     int groups;
     double pixels; // visible in all frames of the group
     double all_pixels;
-    double frozen, drift, boiling; // of X_k² / T, over pixels and channels
+    double frozen, drift, boiling; // of X_k² / T, over the mean of `below`, over pixels and channels
 } RfSpectrumSums;
 
-// Root mean squares, in the unit of F1; NaN if nothing was visible or a frame has NaN or
+// Root mean squares, relative to the brightness; NaN if nothing was visible or a frame has NaN or
 // infinite pixels.
 typedef struct RfSpectrum
 {
@@ -121,9 +130,10 @@ typedef struct RfSpectrum
 // True if a group ends with the frame of this index (from 0) out of `count`.
 bool rf_ends_group( int index, int count );
 
-// Adds a group of 2 to RF_SPECTRUM_FRAMES frames of equal size, in order, unless there is a cut among them.
-RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, bool compensate,
-                                RfError* error );
+// Adds a group of 2 to RF_SPECTRUM_FRAMES frames of equal size, in order, unless there is a cut among them. `split`: upper end of the
+// slow band, cycles per frame.
+RfResult rf_add_spectrum_group( RfSpectrumSums* sums, const RfFlickerFrame* const* frames, int count, double split,
+                                bool compensate, RfError* error );
 
 // The bands from the sums.
 RfSpectrum rf_spectrum( const RfSpectrumSums* sums );

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #define MAX_LAYERS 6
+#define USUAL_RATE 24.0 // frames per second, where the files do not tell
 
 // True if `name` equals `tail` or ends in a dot followed by `tail`.
 static bool has_tail( const char* name, const char* tail )
@@ -382,6 +383,8 @@ static RfResult begin( RfFlickerRun* run, RfError* error )
     run->has_seams = rf_has_seams( &run->seams );
     run->window = run->frame_count < RF_SPECTRUM_FRAMES ? run->frame_count : RF_SPECTRUM_FRAMES;
     run->ring_size = run->has_spectrum ? run->window : 2;
+    double rate = run->first.fps_numerator > 0 ? (double)run->first.fps_numerator / run->first.fps_denominator : USUAL_RATE;
+    run->split = fmin( RF_DRIFT_HERTZ * rf_sequence_step( run->pattern, run->frames[0] ) / rate, 0.5 );
     run->pairs = calloc( (size_t)run->frame_count, sizeof *run->pairs );
     if ( run->pairs == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d frames", run->frame_count );
@@ -398,6 +401,7 @@ static RfResult take_images( RfFlickerRun* run, int i, RfFlickerFrame* frame, co
     RF_TRY( rf_summary_add( &run->summary, &frame->signal, has_reference ? reference : &frame->signal, error ) );
     frame->number = run->frames[i];
     frame->is_finite = count_not_finite( &run->summary ) == before;
+    RF_TRY( rf_take_brightness( frame, has_reference ? reference : &frame->signal, error ) );
     if ( run->slit != NULL )
         rf_add_slit( run->slit, i, 0, &frame->signal, run->column );
     if ( run->slit != NULL && has_reference )
@@ -489,7 +493,7 @@ static RfResult measure_window( RfFlickerRun* run, int i, RfError* error )
         return RF_OK;
     for ( int t = 0; t < run->window; ++t )
         frames[t] = run->ring + ( i - run->window + 1 + t ) % run->ring_size;
-    return rf_add_spectrum_group( &run->spectrum, frames, run->window, rf_is_compensated( run ), error );
+    return rf_add_spectrum_group( &run->spectrum, frames, run->window, run->split, rf_is_compensated( run ), error );
 }
 
 RfResult rf_measure_flicker_run( RfFlickerRun* run, RfError* error )

@@ -95,8 +95,9 @@ typedef struct RfFlickerRun
     int pair_count;
     RfFlickerParts plain, followed; // the second: with `follows`
     RfSpectrumSums spectrum;
-    int window; // frames of each window of the spectrum
-    int cuts;   // between shots, which are not compared
+    int window;   // frames of each window of the spectrum
+    double split; // upper end of its slow band, cycles per frame
+    int cuts;     // between shots, which are not compared
     bool has_seams;
     RfErrorMetrics errors; // of all frames; without a reference only the counts mean something
     // while it runs

@@ -49,15 +49,18 @@ RfResult rf_measure_sequences( const char* pattern, const char* reference, RfErr
 
 // How much the error e = v − r of a frame differs from that of the frame before:
 //   f1   sqrt( mean (e_t − e_{t−1})² ) over pixels and channels
+//   f1_relative  the same, each square divided by b² + RF_RELMSE_EPSILON as in relMSE, by the mean of both
+//        frames: times 100 it is in percent, as noise is
 //   phi  f1² / ( mean e_t² + mean e_{t−1}² ): 1 is noise that is independent in each frame, 0 an
 //        error that stands still, 2 one that changes its sign from frame to frame
 typedef struct RfFlickerMetrics
 {
-    double f1;       // NaN if no pixel is visible in both frames, or if any is NaN or infinite
-    double phi;      // NaN if the error is unknown; 0 if there is no error at all
-    double mse;      // mean of the two mean squared errors; NaN like phi
-    double coverage; // share of the pixels visible in both frames, 0 to 1
-    double motion;   // mean length of the motion vectors, pixels per frame; NaN: motion is not followed
+    double f1;          // NaN if no pixel is visible in both frames, or if any is NaN or infinite
+    double f1_relative; // likewise
+    double phi;         // NaN if the error is unknown; 0 if there is no error at all
+    double mse;         // mean of the two mean squared errors; NaN like phi
+    double coverage;    // share of the pixels visible in both frames, 0 to 1
+    double motion;      // mean length of the motion vectors, pixels per frame; NaN: motion is not followed
 } RfFlickerMetrics;
 
 // The flicker of a sequence of EXR files. With `reference` (a pattern too) that of the error, pixel

@@ -60,6 +60,34 @@ TEST( test_frozen_and_alternating )
     check_near( m.f1 * m.f1, 4.0 * measured( &a, &a, false, true ).mse, 1e-12 );
 }
 
+// Relative to the brightness: the mean of both frames, found along the motion.
+TEST( test_relative_flicker )
+{
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame a = make_frame( 1 ), b = make_frame( 2 );
+    fill_noise( &a, 11, 1.0f );
+    fill_noise( &b, 12, 1.0f );
+    RfFlickerMetrics plain = measured( &b, &a, false, true );
+    check_near( plain.f1_relative, plain.f1, 1e-12 );
+    a.below = malloc( PIXELS * sizeof( double ) );
+    b.below = malloc( PIXELS * sizeof( double ) );
+    for ( int i = 0; i < PIXELS; ++i ) // their mean is 9 where the frame before is looked up a pixel to the left
+    {
+        a.below[i] = 4.0 + i % WIDTH;
+        b.below[i] = 15.0 - i % WIDTH;
+    }
+    set_motion( &b, -1.0f, 0.0f );
+    plain = measured( &b, &a, true, true );
+    check_near( plain.f1_relative, plain.f1 / 3.0, 1e-12 );
+    b.is_finite = false;
+    assert_true( isnan( measured( &b, &a, true, true ).f1_relative ) );
+    // of a picture: 5 everywhere
+    AUTO_BY( rf_destroy_flicker_frame ) RfFlickerFrame five = make_frame( 3 );
+    for ( int i = 0; i < VALUES; ++i )
+        five.signal.rgb[i] = 5.0f;
+    assert_int_equal( rf_take_brightness( &five, &five.signal, NULL ), RF_OK );
+    check_near( five.below[PIXELS - 1], 25.001, 1e-12 );
+}
+
 // The definition summed naively; scaling; the order of the two frames.
 TEST( test_definition_scaling_and_symmetry )
 {

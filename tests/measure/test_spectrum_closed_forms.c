@@ -29,13 +29,18 @@ static void destroy_film( Film* film )
     free( film );
 }
 
-static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
+static RfSpectrum split_at( double split, const Film* film, int count, bool compensate )
 {
     RfSpectrumSums sums = { 0 };
     RfError error = { 0 };
-    if ( rf_add_spectrum_group( &sums, film->order, count, compensate, &error ) != RF_OK )
+    if ( rf_add_spectrum_group( &sums, film->order, count, split, compensate, &error ) != RF_OK )
         fail_msg( "%s", error.text );
     return rf_spectrum( &sums );
+}
+
+static RfSpectrum spectrum_of( const Film* film, int count, bool compensate )
+{
+    return split_at( 0.125, film, count, compensate );
 }
 
 // The same sums to the bit, whatever the number of threads.
@@ -88,8 +93,20 @@ TEST( test_tones_lie_in_one_band )
     s = spectrum_of( film, RF_SPECTRUM_FRAMES, false );
     check_near( s.drift, 0.0, 1e-6 );
     check_near( s.boiling, sqrt( 2.0 ), 1e-6 );
+    s = split_at( 0.2, film, RF_SPECTRUM_FRAMES, false );
+    check_near( s.drift, sqrt( 2.0 ), 1e-6 );
+    for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t ) // the mean of the squared brightness is 4
+    {
+        film->frames[t].below = malloc( PIXELS * sizeof( double ) );
+        for ( int i = 0; i < PIXELS; ++i )
+            film->frames[t].below[i] = 3.0 + 2.0 * ( t % 2 );
+    }
+    s = spectrum_of( film, RF_SPECTRUM_FRAMES, false );
+    check_near( s.boiling, sqrt( 0.5 ), 1e-6 );
     for ( int t = 0; t < RF_SPECTRUM_FRAMES; ++t )
     {
+        free( film->frames[t].below );
+        film->frames[t].below = NULL;
         for ( int i = 0; i < VALUES; ++i )
             film->frames[t].signal.rgb[i] = (float)t;
     }
@@ -110,7 +127,7 @@ TEST( test_tones_lie_in_one_band )
     film->frames[2].is_finite = false;
     assert_true( isnan( spectrum_of( film, 3, false ).boiling ) );
     RfSpectrumSums sums = { 0 };
-    assert_int_equal( rf_add_spectrum_group( &sums, film->order, 17, false, NULL ), RF_ERROR_USAGE );
+    assert_int_equal( rf_add_spectrum_group( &sums, film->order, 17, 0.125, false, NULL ), RF_ERROR_USAGE );
     destroy_film( film );
 }
 

@@ -25,15 +25,16 @@ static const char* format( double value, const char* how, char text[32] )
 static void print_row( const char* name, const RfFlickerSums* sums, const char* note )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    char f1[32], phi[32], rmse[32];
-    printf( "%12s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ),
-            format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage, note[0] != '\0' ? "  " : "", note );
+    char relative[32], f1[32], phi[32], rmse[32];
+    printf( "%12s  %8s  %11s  %7s  %11s  %7.2f %%%s%s\n", name, format( 100.0 * m.f1_relative, "%.3g %%", relative ),
+            format( m.f1, "%.4e", f1 ), format( m.phi, "%.4f", phi ), format( sqrt( m.mse ), "%.4e", rmse ), 100.0 * m.coverage,
+            note[0] != '\0' ? "  " : "", note );
 }
 
 static void print_rows( const RfFlickerRun* run )
 {
     char text[32];
-    printf( "%12s  %11s  %7s  %11s  %9s\n", "frame", "F1", "phi", "RMSE", "coverage" );
+    printf( "%12s  %8s  %11s  %7s  %11s  %9s\n", "frame", "flicker", "F1", "phi", "RMSE", "coverage" );
     for ( int i = 0; i < run->pair_count; ++i )
     {
         snprintf( text, sizeof text, "%d", run->pairs[i].frame );
@@ -58,11 +59,11 @@ static void print_spectrum( const RfFlickerRun* run )
         return;
     RfSpectrum s = rf_spectrum( &run->spectrum );
     char frozen[32], drift[32], boiling[32];
-    printf( "spectrum over %d frames, RMS: ", run->window );
+    printf( "spectrum over %d frames%s, relative RMS: ", run->window, rf_is_compensated( run ) ? ", along the motion" : "" );
     if ( run->reference != NULL )
-        printf( "frozen %s, ", format( s.frozen, "%.4e", frozen ) );
-    printf( "slow drift (periods of %.0f frames and more) %s, boiling (shorter) %s; coverage %.2f %%\n", 1.0 / RF_SPECTRUM_SPLIT,
-            format( s.drift, "%.4e", drift ), format( s.boiling, "%.4e", boiling ), 100.0 * s.coverage );
+        printf( "frozen %s, ", format( 100.0 * s.frozen, "%.3g %%", frozen ) );
+    printf( "slow drift (below %g Hz) %s, boiling (above) %s; coverage %.2f %%\n", RF_DRIFT_HERTZ,
+            format( 100.0 * s.drift, "%.3g %%", drift ), format( 100.0 * s.boiling, "%.3g %%", boiling ), 100.0 * s.coverage );
 }
 
 static const char* describe_phi( double phi )
@@ -119,17 +120,17 @@ static void print_words( const RfFlickerRun* run, const char* unfollowed )
         print_motion_words( run, rf_is_compensated( run ) ? &run->plain.all : &run->followed.all );
 }
 
-// The pair whose F1 is the largest: the number of its second frame.
-static int worst_pair( const RfFlickerRun* run, double* f1 )
+// The pair that flickers most: the number of its second frame.
+static int worst_pair( const RfFlickerRun* run, double* most )
 {
     int worst = 0;
-    *f1 = -1.0;
+    *most = -1.0;
     for ( int i = 0; i < run->pair_count; ++i )
     {
-        double value = rf_flicker_metrics( &run->pairs[i].sums ).f1;
-        if ( !( value > *f1 ) )
+        double value = rf_flicker_metrics( &run->pairs[i].sums ).f1_relative;
+        if ( !( value > *most ) )
             continue;
-        *f1 = value;
+        *most = value;
         worst = run->pairs[i].frame;
     }
     return worst;
@@ -162,8 +163,10 @@ static void format_verdict( const RfFlickerRun* run, char text[VERDICT_SIZE] )
         rf_append( text, VERDICT_SIZE,
                    isfinite( m.phi ) ? "no flicker: there is no error" : "phi unknown: the size of the error is not known" );
     is_error = is_error && isfinite( run->errors.relmse );
-    rf_append( text, VERDICT_SIZE, "\nF1 %.2g (RMS change of the %s between neighbouring frames, largest at frame %d: %.2g)",
-               m.f1, is_error ? "error" : "picture", worst, most );
+    rf_append( text, VERDICT_SIZE,
+               "\nFlicker %.2g %% (RMS change of the %s from frame to frame, %s, largest at frame %d: %.2g %%)",
+               100.0 * m.f1_relative, is_error ? "error" : "picture", rf_is_compensated( run ) ? "along the motion" : "in place",
+               worst, 100.0 * most );
     rf_format_noise( run->errors.relmse, percent );
     if ( is_error )
         rf_append( text, VERDICT_SIZE, "; relMSE %.2g (%s noise per pixel)", run->errors.relmse, percent );
@@ -187,8 +190,8 @@ static void print_flicker( const RfFlickerRun* run, const char* unfollowed )
 static json_t* set_metrics( json_t* object, const RfFlickerSums* sums )
 {
     RfFlickerMetrics m = rf_flicker_metrics( sums );
-    return RF_SET_FIGURES( object, { "f1", m.f1 }, { "phi", m.phi }, { "mse", m.mse }, { "coverage", m.coverage },
-                           { "motion", m.motion } );
+    return RF_SET_FIGURES( object, { "f1", m.f1 }, { "f1_relative", m.f1_relative }, { "phi", m.phi }, { "mse", m.mse },
+                           { "coverage", m.coverage }, { "motion", m.motion } );
 }
 
 static json_t* pairs_json( const RfFlickerRun* run )
@@ -220,7 +223,7 @@ static json_t* spectrum_json( const RfFlickerRun* run )
 {
     RfSpectrum s = rf_spectrum( &run->spectrum );
     return RF_SET_FIGURES( json_pack( "{s:i, s:i}", "frames", run->window, "windows", run->spectrum.groups ),
-                           { "split", RF_SPECTRUM_SPLIT }, { "frozen", run->reference != NULL ? s.frozen : (double)NAN },
+                           { "split", run->split }, { "frozen", run->reference != NULL ? s.frozen : (double)NAN },
                            { "drift", s.drift }, { "boiling", s.boiling }, { "coverage", s.coverage } );
 }
 
