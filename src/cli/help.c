@@ -58,6 +58,7 @@ static bool format_value( const RfOption* option, char text[VALUE_SIZE] )
         case RF_OPTION_UINT64: snprintf( text, size, "%llu", (unsigned long long)*(const uint64_t*)value ); return true;
         case RF_OPTION_REAL:
         case RF_OPTION_NOISE:
+        case RF_OPTION_FLICKER:
         case RF_OPTION_TIME: snprintf( text, size, "%g", *(const double*)value ); return *(const double*)value >= option->min;
         case RF_OPTION_MEMORY:
             bytes = *(const size_t*)value;

@@ -183,6 +183,8 @@ void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] )
         snprintf( text, RF_NOISE_TEXT_SIZE, percent < 99.5 ? "%.2g %%" : "%.0f %%", percent );
 }
 
+void rf_format_flicker( double f1, char text[RF_NOISE_TEXT_SIZE] ) { rf_format_noise( 3.0 * f1 * f1, text ); }
+
 json_t* rf_denoised_json( double noisy, const RfErrorEstimate* denoised )
 {
     json_t* json = json_pack( "{s:b}", "is_vague", denoised->is_vague );

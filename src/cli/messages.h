@@ -69,6 +69,9 @@ double rf_relmse_of_noise( double percent );
 #define RF_NOISE_TEXT_SIZE 32
 void rf_format_noise( double relmse, char text[RF_NOISE_TEXT_SIZE] );
 
+// A relative F1 in percent, as text.
+void rf_format_flicker( double f1, char text[RF_NOISE_TEXT_SIZE] );
+
 // The errors of frames before and after denoising, as a part of JSON and as text: "noise 1.9 %, denoised 0.7 % (95 %: 0.6 % to 0.9 %;
 // bias included)". `noisy`: relMSE.
 json_t* rf_denoised_json( double noisy, const RfErrorEstimate* denoised );

@@ -65,7 +65,7 @@ typedef struct Sum
 typedef struct Halves
 {
     int width, height;
-    const float* rgb;
+    const float* rgb; // NULL: the film's
     const RfFilm* film;
     RfNormalize normalize;
     const float* half[2];
@@ -73,7 +73,7 @@ typedef struct Halves
 
 static Pixel load_pixel( const Halves* from, size_t i )
 {
-    Pixel pixel = { .value = rf_mean_of_channels( from->rgb + 3 * i ) };
+    Pixel pixel = { .value = from->rgb != NULL ? rf_mean_of_channels( from->rgb + 3 * i ) : 0.0 };
     if ( from->film == NULL )
     {
         for ( int h = 0; h < 2; ++h )
@@ -86,6 +86,7 @@ static Pixel load_pixel( const Halves* from, size_t i )
         double a = rf_film_half_value( &p, from->normalize, 0, c ), b = rf_film_half_value( &p, from->normalize, 1, c );
         pixel.half[0] += a / 3.0;
         pixel.half[1] += b / 3.0;
+        pixel.value += from->rgb == NULL ? rf_film_value( &p, from->normalize, c ) / 3.0 : 0.0;
         pixel.error += ( a - b ) * ( a - b );
     }
     return pixel;
@@ -344,6 +345,12 @@ typedef struct Errors
     RfNormalize normalize;
 } Errors;
 
+// The errors of a block of pixels, and what their squares are divided by.
+typedef struct BlockErrors
+{
+    double error[RF_BRIGHTNESS_SIDE * RF_BRIGHTNESS_SIDE][3], below[RF_BRIGHTNESS_SIDE * RF_BRIGHTNESS_SIDE];
+} BlockErrors;
+
 typedef struct Sums
 {
     double before, now, product;
@@ -360,24 +367,49 @@ static void error_of_pixel( const RfFilm* film, RfNormalize normalize, size_t i,
         error[c] = scale * ( rf_film_half_value( &p, normalize, 0, c ) - rf_film_half_value( &p, normalize, 1, c ) );
 }
 
-static void load_error( const Errors* errors, size_t i, double error[3] )
+// Pixel number `k` of a block.
+static size_t pixel_of_block( const RfBlock* block, int width, int k )
 {
-    if ( errors->film != NULL )
-        error_of_pixel( errors->film, errors->normalize, i, error );
-    else
-        for ( size_t c = 0; c < 3; ++c )
-            error[c] = (double)errors->kept[3 * i + c];
+    int columns = block->right - block->left;
+    return (size_t)( block->top + k / columns ) * (size_t)width + (size_t)( block->left + k % columns );
 }
 
-static void add_errors( Sums* sums, const double before[3], const double now[3] )
+static int pixels_of_block( const RfBlock* block ) { return ( block->right - block->left ) * ( block->bottom - block->top ); }
+
+static void load_errors( const Errors* errors, int width, int height, const RfBlock* block, BlockErrors* out )
 {
-    double change = 0.0;
+    int count = pixels_of_block( block ), columns = block->right - block->left;
+    for ( int k = 0; k < count && errors->film == NULL; ++k )
+    {
+        const float* kept = errors->kept + RF_KEPT_FLOATS * pixel_of_block( block, width, k );
+        for ( int c = 0; c < 3; ++c )
+            out->error[k][c] = (double)kept[c];
+        out->below[k] = (double)kept[3];
+    }
+    if ( errors->film == NULL )
+        return;
+    Values v;
+    double all;
+    load_block( &( Halves ){ .width = width, .height = height, .film = errors->film, .normalize = errors->normalize }, block,
+                &v );
+    rare_light( &v, columns, block->bottom - block->top, &all ); // of which all counts: nothing is told of the largest alone
+    for ( int k = 0; k < count; ++k )
+    {
+        error_of_pixel( errors->film, errors->normalize, pixel_of_block( block, width, k ), out->error[k] );
+        out->below[k] = rf_relmse_denominator( brightness_at( &v, k / columns * ROOM + k % columns, all / count ) );
+    }
+}
+
+static void add_errors( Sums* sums, const BlockErrors* before, const BlockErrors* now, int k )
+{
+    double change = 0.0, below = 0.5 * ( before->below[k] + now->below[k] );
     for ( int c = 0; c < 3; ++c )
     {
-        sums->before += before[c] * before[c];
-        sums->now += now[c] * now[c];
-        sums->product += before[c] * now[c];
-        change += ( now[c] - before[c] ) * ( now[c] - before[c] );
+        double a = before->error[k][c], b = now->error[k][c];
+        sums->before += a * a / below;
+        sums->now += b * b / below;
+        sums->product += a * b / below;
+        change += ( b - a ) * ( b - a ) / below;
     }
     keep_worst( sums->worst, change );
 }
@@ -395,23 +427,24 @@ static size_t pixels_of( const RfFilm* film ) { return (size_t)film->width * (si
 
 static RfFlicker flicker_of( const Errors* before, const Errors* now )
 {
-    Sums sums = { 0 }, of_part[RF_FILM_PARTS] = { { 0 } };
-    size_t pixels = pixels_of( now->film );
-#pragma omp parallel for schedule( static )
-    for ( int part = 0; part < RF_FILM_PARTS; ++part )
+    Sums sums = { 0 };
+    int width = now->film->width, height = now->film->height;
+#pragma omp parallel for schedule( dynamic, 1 ) ordered
+    for ( int i = 0; i < rf_block_count( width, height ); ++i )
     {
+        Sums part = { 0 };
+        BlockErrors a, b;
+        RfBlock block = rf_block( width, height, i );
         rf_set_float_mode();
-        for ( size_t i = rf_film_part( now->film, part ); i < rf_film_part( now->film, part + 1 ); ++i )
-        {
-            double a[3], b[3];
-            load_error( before, i, a );
-            load_error( now, i, b );
-            add_errors( of_part + part, a, b );
-        }
+        load_errors( before, width, height, &block, &a );
+        load_errors( now, width, height, &block, &b );
+        for ( int k = 0; k < pixels_of_block( &block ); ++k )
+            add_errors( &part, &a, &b, k );
+#pragma omp ordered
+        add_sums( &sums, &part );
     }
-    for ( int part = 0; part < RF_FILM_PARTS; ++part )
-        add_sums( &sums, of_part + part );
-    double change = sums.before + sums.now - 2.0 * sums.product, worst = 0.0, scale = 1.0 / ( 3.0 * (double)pixels );
+    double change = sums.before + sums.now - 2.0 * sums.product, worst = 0.0,
+           scale = 1.0 / ( 3.0 * (double)pixels_of( now->film ) );
     for ( int k = 0; k < WORST; ++k )
         worst += sums.worst[k];
     return ( RfFlicker ){ .before = scale * sums.before,
@@ -444,39 +477,28 @@ RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize 
 
 double rf_film_mean_square( const RfFilm* film, RfNormalize normalize )
 {
-    double of_part[RF_FILM_PARTS] = { 0.0 }, sum = 0.0;
-    if ( !has_halves( film ) )
-        return (double)NAN;
-#pragma omp parallel for schedule( static )
-    for ( int part = 0; part < RF_FILM_PARTS; ++part )
-    {
-        rf_set_float_mode();
-        for ( size_t i = rf_film_part( film, part ); i < rf_film_part( film, part + 1 ); ++i )
-        {
-            double error[3];
-            error_of_pixel( film, normalize, i, error );
-            of_part[part] += error[0] * error[0] + error[1] * error[1] + error[2] * error[2];
-        }
-    }
-    for ( int part = 0; part < RF_FILM_PARTS; ++part )
-        sum += of_part[part];
-    return sum / ( 3.0 * (double)pixels_of( film ) );
+    const Errors errors = { .film = film, .normalize = normalize };
+    return has_halves( film ) ? flicker_of( &errors, &errors ).now : (double)NAN;
 }
 
-void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error )
+void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* kept )
 {
-    size_t width = (size_t)film->width;
-#pragma omp parallel for schedule( static )
-    for ( int y = 0; y < film->height; ++y )
+    const Errors errors = { .film = film, .normalize = normalize };
+    bool known = has_halves( film );
+#pragma omp parallel for schedule( dynamic, 1 )
+    for ( int i = 0; i < rf_block_count( film->width, film->height ); ++i )
     {
+        BlockErrors of_block;
+        RfBlock block = rf_block( film->width, film->height, i );
         rf_set_float_mode();
-        for ( size_t i = (size_t)y * width; i < ( (size_t)y + 1 ) * width; ++i )
+        if ( known )
+            load_errors( &errors, film->width, film->height, &block, &of_block );
+        for ( int k = 0; k < pixels_of_block( &block ); ++k )
         {
-            double e[3] = { (double)NAN, (double)NAN, (double)NAN };
-            if ( has_halves( film ) )
-                error_of_pixel( film, normalize, i, e );
-            for ( size_t c = 0; c < 3; ++c )
-                error[3 * i + c] = (float)e[c];
+            float* to = kept + RF_KEPT_FLOATS * pixel_of_block( &block, film->width, k );
+            for ( int c = 0; c < 3; ++c )
+                to[c] = known ? (float)of_block.error[k][c] : NAN;
+            to[3] = known ? (float)of_block.below[k] : 1.0f;
         }
     }
 }

@@ -64,21 +64,24 @@ RfRelmse rf_estimate_relmse( const RfFilm* film, RfNormalize normalize, const fl
 // light too rare to be seen by most pixels.
 void rf_likely_denominators( int width, int height, const float* rgb, const float* half_a, const float* half_b, double* below );
 
-// Estimated means over pixels and channels of e_t² of both frames and of the product of their errors. What two frames
-// share is in the product.
+// Estimated means over pixels and channels of e_t² of both frames and of the product of their errors, each divided by the mean of the
+// denominators of their relMSE. What two frames share is in the product.
 typedef struct RfFlicker
 {
     double before, now, product; // NaN: unknown
     double worst_share;          // part of F1² that its ten worst pixels carry
 } RfFlicker;
 
-// Estimated error of the picture of a film, 3 values per pixel: of the right size and with the right correlation to that
-// of another frame, with a sign that means nothing.
-void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* error );
+// Estimated error of the picture of a film, of a pixel 3 values and the denominator of its relMSE: of the right size and with the right
+// correlation to that of another frame, with a sign that means nothing.
+#define RF_KEPT_FLOATS 4
+void rf_keep_film_error( const RfFilm* film, RfNormalize normalize, float* kept );
 
 // The flicker of two films, or of what was kept of the film before and a film.
 RfFlicker rf_flicker_of_films( const RfFilm* before, const RfFilm* now, RfNormalize normalize );
 RfFlicker rf_flicker_since( const float* before, const RfFilm* now, RfNormalize normalize );
+
+// The mean of e² alone.
 double rf_film_mean_square( const RfFilm* film, RfNormalize normalize );
 
 // F1² (E13).

@@ -170,12 +170,12 @@ static double add_clamped( TrialPair* p, double delta, double exact, double firs
     return weight * 0.5 * left * left;
 }
 
-// Subtracts the second render from a cell of the first; returns the sum of ½ d², and adds the weighted one to the piece.
+// Subtracts the second render from a cell of the first; returns the weighted sum of ½ d², and adds it to the piece.
 static double subtract_cell( TrialPair* p, const RfFrameResult* frame, int32_t slot, int count, const int32_t* pixel )
 {
     float* d = colors_of( p, slot );
     const float* weight = p->weight + RF_CELL_PIXELS * (size_t)slot;
-    double square = 0.0, relmse = 0.0, clamped = 0.0;
+    double relmse = 0.0, clamped = 0.0;
     for ( int k = 0; k < count; ++k )
     {
         double sum = 0.0;
@@ -189,7 +189,6 @@ static double subtract_cell( TrialPair* p, const RfFrameResult* frame, int32_t s
                                         (double)frame->aovs[RF_AOV_REMOVED][i], (double)weight[k] );
             d[3 * k + c] = (float)delta;
         }
-        square += sum;
         relmse += (double)weight[k] * sum;
     }
     RfPieceError* piece = p->trial->pieces + p->pieces->piece[slot];
@@ -200,18 +199,21 @@ static double subtract_cell( TrialPair* p, const RfFrameResult* frame, int32_t s
     p->trial->clamp.relmse += p->passes * clamped;
     rf_keep_worst_cell( p->trial->worst, p->passes * relmse );
     p->pixels += count;
-    return square;
+    return relmse;
 }
 
-// ½ squared change of the difference since the frame before, summed over a cell.
+// ½ squared change of the difference since the frame before, over the mean of both denominators, summed over a cell.
 static double change_of_cell( const TrialPair* p, int32_t slot, int32_t slot_before, int count )
 {
     const float *now = colors_of( p, slot ), *before = colors_of( p, slot_before );
+    const float *weight = p->weight + RF_CELL_PIXELS * (size_t)slot,
+                *weight_before = p->weight + RF_CELL_PIXELS * (size_t)slot_before;
     double sum = 0.0;
     for ( int i = 0; i < 3 * count; ++i )
     {
         double change = (double)now[i] - (double)before[i];
-        sum += 0.5 * change * change;
+        double below = 0.5 / (double)weight[i / 3] + 0.5 / (double)weight_before[i / 3];
+        sum += 0.5 * change * change / below;
     }
     return sum;
 }
@@ -241,7 +243,6 @@ static RfResult compare_second( void* user, const RfFrameResult* frame, RfError*
     p->trial->clamp.threshold += frame->clamp;
     p->trial->clamp.frames += 1.0;
     double mean = all > 0.0 ? square / ( 3.0 * all ) : 0.0;
-    p->trial->mse += p->passes * square / 3.0;
     p->first_mean = frame->frame == 0 ? mean : p->first_mean;
     p->last_mean = frame->frame == p->eyes - 1 ? mean : p->last_mean;
     p->steps += shared > 0.0 ? step / ( 3.0 * shared ) : 0.0;
@@ -527,7 +528,6 @@ void rf_add_weighed_trial( RfTrial* sum, const RfTrial* trial, double weight, in
     sum->clamp.frames += trial->clamp.frames;
     sum->weight += weight * trial->weight;
     sum->relmse += weight * trial->relmse;
-    sum->mse += weight * trial->mse;
     sum->change_weight += weight * trial->change_weight;
     sum->change += weight * trial->change;
     sum->clamp.relmse += weight * trial->clamp.relmse;
@@ -558,7 +558,10 @@ static double mean_change( const RfTrial* trial ) { return mean( trial->change, 
 
 double rf_trial_f1( const RfTrial* trial, double spp ) { return sqrt( 2.0 * mean_change( trial ) / spp ); }
 
-double rf_trial_phi( const RfTrial* trial ) { return trial->mse > 0.0 ? mean_change( trial ) * trial->weight / trial->mse : 0.0; }
+double rf_trial_phi( const RfTrial* trial )
+{
+    return trial->relmse > 0.0 ? 3.0 * mean_change( trial ) * trial->weight / trial->relmse : 0.0;
+}
 
 double rf_trial_sample_seconds( const RfTrial* trial ) { return mean( trial->cpu_seconds, trial->timed_samples ); }
 

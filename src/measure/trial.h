@@ -103,9 +103,8 @@ typedef struct RfTrial
     double cpu_seconds;                   // of all threads
     double finish_seconds, finish_pixels; // CPU seconds for finishing frames, and their pixels
     double relmse;                        // from the two renders
-    double mse;                           // mean squared error, over channels
     double change_weight;                 // like weight, of trials that have pixels measured in consecutive frames
-    double change;                        // ½ mean squared change of the error between consecutive frames of a long path
+    double change;                        // ½ F1² (relative) of consecutive frames of a long path
     double time_noise;                    // squared differences of the logarithms of the two renders' seconds per sample
     int time_count;                       // of these
     double worst[RF_WORST_CELLS];         // of relmse: what the cells of 4×4 pixels with the most hold, in falling order
@@ -145,7 +144,7 @@ RfInterval rf_trial_clamped_error( const RfTrial* trial );
 // relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );
 
-// F1 of such a frame.
+// Relative F1 of such a frame.
 double rf_trial_f1( const RfTrial* trial, double spp );
 
 // φ, which does not depend on the samples.

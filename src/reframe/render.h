@@ -142,7 +142,7 @@ typedef struct RfFrameResult
     double removed;       // share of the frame's light that it is, by luminance, 0 to 1
     double native_spp;    // samples: traced for the frame, per pixel, extra ones too
     double effective_spp; // effective samples: all that landed in a pixel, with those reused from other frames
-    // With settings.flicker: F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE
+    // With settings.flicker: relative F1 of this frame and the one before (NaN: that was not rendered now), as of the relMSE
     double flicker_estimate;
     bool flicker_is_lower_bound;
     double flicker_likely;

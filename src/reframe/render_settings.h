@@ -187,7 +187,7 @@ typedef struct RfRenderSettings
     const RfEstimator* estimator; // by default "reuse"
     int spp;                      // samples that a frame traces per pixel; with noise, flicker or time the most
     double noise;                 // each frame stops when its estimated relMSE is at most this; 0: spp are rendered
-    double flicker;               // and each pair of neighbouring frames when its estimated F1 (reframe/measure.h) is
+    double flicker;               // and each pair of neighbouring frames when its estimated f1_relative (reframe/measure.h) is
     double time;                  // seconds for each frame asked for, on average; 0: as long as it takes
     int group;                    // half-width n, cut to the path; RF_GROUP_AUTO: chosen by the plan
     RfTile tile;                  // pixels of a frame that reuse each other's paths

@@ -122,7 +122,7 @@ static void move_renderer( Stream* s )
     MOVE( s, r->share );
     MOVE( s, r->kept_frame );
     move( s, r->memory.kept_errors,
-          r->memory.kept_errors != NULL ? 3 * rf_film_pixels( &r->setup->sizes ) * sizeof( float ) : 0 );
+          r->memory.kept_errors != NULL ? RF_KEPT_FLOATS * rf_film_pixels( &r->setup->sizes ) * sizeof( float ) : 0 );
     move_times( s );
     move_stop( s );
 }

@@ -24,9 +24,9 @@ TEST( test_missing_frames_are_reported )
     assert_int_equal( json_array_size( json_object_get( data, "frames" ) ), 5 ); // 1 2 4 5 6
     const json_t *a = page_sequence( data, 0 ), *b = page_sequence( data, 1 );
     assert_true( json_is_null( page_item( a, "blocks", 4 ) ) && json_is_null( page_item( b, "blocks", 1 ) ) );
-    page_check_item( a, "f1", 1, 0.5 );
+    page_check_item( a, "f1", 1, 0.5 / sqrt( 0.5 * ( 1.0 * 1.0 + 1.5 * 1.5 ) + 0.001 ) );
     assert_true( json_is_null( page_item( a, "f1", 2 ) ) ); // 4 has no 3 before it
-    page_check_item( a, "f1", 3, 0.5 );
+    page_check_item( a, "f1", 3, 0.5 / sqrt( 0.5 * ( 2.5 * 2.5 + 3.0 * 3.0 ) + 0.001 ) );
     assert_true( json_is_null( page_item( b, "f1", 2 ) ) );
     page_check_item( b, "f1", 4, 0.0 );
     assert_string_equal( missing_of( data, 0 ), "3, 6" );
@@ -125,15 +125,15 @@ TEST( test_layers_found_across_parts )
     cli_expect( cli_run( "$R report p -o p.html" ), 0, NULL );
     json_t* data = page_read_data( "p.html", 5 );
     const json_t* sequence = page_sequence( data, 0 );
-    page_check_item( sequence, "f1", 1, 1.0 );
+    page_check_item( sequence, "f1", 1, 1.0 / sqrt( 2.501 ) );
     assert_true( json_is_null( page_item( sequence, "f1", 2 ) ) ); // 3 has no motion; where the others lie is known
-    page_check_item( sequence, "f1", 3, 1.0 );
-    assert_string_equal( page_fact( sequence, "Error", "Flicker: F1" ), "1" );
+    page_check_item( sequence, "f1", 3, 1.0 / sqrt( 2.501 ) );
+    assert_string_equal( page_fact( sequence, "Error", "Flicker: relative F1" ), "0.632" );
     json_decref( data );
     cli_expect( cli_run( "$R report p --reference p/r -o p2.html" ), 0, NULL );
     data = page_read_data( "p2.html", 10 );
     sequence = page_sequence( data, 0 );
-    page_check_item( sequence, "f1", 2, 1.0 );                                    // plain
+    page_check_item( sequence, "f1", 2, 1.0 / sqrt( 0.001 ) );                    // plain
     assert_string_equal( page_fact( sequence, "Error", "Flicker: phi" ), "0.2" ); // 1 / (4 + 1)
     assert_null( page_fact( page_sequence( data, 1 ), "Error", "Flicker: phi" ) );
     json_decref( data );

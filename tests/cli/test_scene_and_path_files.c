@@ -307,7 +307,8 @@ TEST( test_schema_has_the_limits_of_the_options )
         ++checked;
         if ( option->type == RF_OPTION_INT )
             expect_limits( of_type( property, "integer" ), option );
-        else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_NOISE || option->type == RF_OPTION_TIME )
+        else if ( option->type == RF_OPTION_REAL || option->type == RF_OPTION_NOISE || option->type == RF_OPTION_FLICKER ||
+                  option->type == RF_OPTION_TIME )
             expect_limits( of_type( property, "number" ), option );
         else if ( option->type == RF_OPTION_SIZE )
             expect_limits( json_object_get( property, "items" ), option );

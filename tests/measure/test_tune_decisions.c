@@ -72,9 +72,8 @@ static RfTrial made_trial( double relmse, double seconds )
                         .timed_samples = 500.0,
                         .cpu_seconds = 500.0 * seconds,
                         .relmse = 100.0 * relmse,
-                        .mse = 100.0,
                         .change_weight = 100.0,
-                        .change = 50.0,
+                        .change = 100.0 / 6.0,
                         .piece_count = 2,
                         .pieces = { { 50.0, 50.0 * relmse }, { 50.0, 50.0 * relmse } } };
 }
@@ -106,7 +105,7 @@ TEST( test_most_efficient_row_is_chosen )
     assert_true( fabs( first->cpu_seconds - 1.0 ) < 1e-9 && fabs( first->seconds - 0.5 ) < 1e-9 &&
                  fabs( first->relmse - 0.1 ) < 1e-12 );
     assert_true( fabs( first->efficiency - 100.0 ) < 1e-6 && first->gain.value == 1.0 ); // 10 frames / ( 0.1 · 1 s )
-    assert_true( fabs( first->phi - 0.5 ) < 1e-12 && fabs( first->f1 - sqrt( 2.0 * 0.5 / 10.0 ) ) < 1e-12 );
+    assert_true( fabs( first->phi - 0.5 ) < 1e-12 && fabs( first->f1 - sqrt( 2.0 / 6.0 / 10.0 ) ) < 1e-12 );
     assert_true( fabs( tune.rows[3].gain.value - 2.0 ) < 1e-9 );
     for ( int i = 0; i < 3; ++i ) // it was given up early
         tune.rows[i].rounds = 2;
@@ -127,7 +126,7 @@ TEST( test_most_efficient_row_is_chosen )
 TEST( test_least_flicker_is_chosen )
 {
     RfTune tune = made_tune( 3 );
-    tune.rows[1].trial.change = 10.0; // a fifth of F1 squared, at twice the time
+    tune.rows[1].trial.change /= 5.0; // a fifth of F1 squared, at twice the time
     tune.goal = RF_TUNE_FLICKER;
     rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, 1 );

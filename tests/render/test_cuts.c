@@ -198,7 +198,7 @@ TEST( test_goals_beside_a_cut )
         RfRenderSettings settings = settings_of( 2, "3x3" );
         settings.spp = 64;
         settings.noise = flicker ? 0.0 : 0.1;
-        settings.flicker = flicker ? 0.1 : 0.0;
+        settings.flicker = flicker ? 0.6 : 0.0;
         const RfFrameResult* first = render_first( &c, &settings );
         assert_same( render_stage( &c, &settings ), first, FIRST );
         assert_int_equal( c.stats.missed + c.stats.flicker_missed, 0 );

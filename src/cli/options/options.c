@@ -259,23 +259,24 @@ static bool parse_real( const RfOption* option, const char* text, void* value )
     return true;
 }
 
-bool rf_parse_noise( const char* text, double* relmse, const char** rest )
+bool rf_parse_error_goal( const char* text, bool is_flicker, double* value, const char** rest )
 {
-    if ( !parse_decimal( text, relmse, rest ) )
+    if ( !parse_decimal( text, value, rest ) )
         return false;
     if ( **rest != '%' )
         return true;
     *rest += 1;
-    bool positive = *relmse >= 0.0;
-    *relmse = rf_relmse_of_noise( *relmse );
+    bool positive = *value >= 0.0;
+    *value = is_flicker ? *value / 100.0 : rf_relmse_of_noise( *value );
     return positive;
 }
 
-static bool parse_noise( const RfOption* option, const char* text, void* value )
+static bool parse_error_goal( const RfOption* option, const char* text, void* value )
 {
     const char* rest;
     double number;
-    if ( !rf_parse_noise( text, &number, &rest ) || *rest != '\0' || number < option->min || number > option->max )
+    if ( !rf_parse_error_goal( text, option->type == RF_OPTION_FLICKER, &number, &rest ) || *rest != '\0' ||
+         number < option->min || number > option->max )
         return false;
     *(double*)value = number;
     return true;
@@ -427,9 +428,11 @@ static const struct
     [RF_OPTION_UINT64] = { sizeof( uint64_t ), parse_unsigned, "a whole number from 0 to 18446744073709551615",
                            "a whole number from 0 to 9223372036854775807" },
     [RF_OPTION_REAL] = { sizeof( double ), parse_real, "a number from %g to %g", "a number from %g to %g" },
-    [RF_OPTION_NOISE] = { sizeof( double ), parse_noise,
+    [RF_OPTION_NOISE] = { sizeof( double ), parse_error_goal,
                           "a relMSE from %g to %g, or the noise of a channel in percent, such as 5%%",
                           "a relMSE from %g to %g, or the noise of a channel in percent, such as \"5%%\"" },
+    [RF_OPTION_FLICKER] = { sizeof( double ), parse_error_goal, "a relative F1 from %g to %g, or in percent, such as 2%%",
+                            "a relative F1 from %g to %g, or in percent, such as \"2%%\"" },
     [RF_OPTION_TIME] = { sizeof( double ), parse_time, "seconds from %g to %g, or a time such as 20s, 5m or 1h30m",
                          "a number from %g to %g" },
     [RF_OPTION_SIZE] = { sizeof( RfSize ), parse_size,

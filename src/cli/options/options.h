@@ -15,17 +15,18 @@
 
 typedef enum RfOptionType
 {
-    RF_OPTION_INT,    // int, from min to max
-    RF_OPTION_UINT64, // uint64_t, any
-    RF_OPTION_REAL,   // double, from min to max, finite
-    RF_OPTION_NOISE,  // double, relMSE, from min to max, or the relative RMS error of a channel in percent: "0.01" or "5.8%"
-    RF_OPTION_TIME,   // double, seconds, from min to max: "20", "20s", "5m", "1h30m"
-    RF_OPTION_SIZE,   // RfSize, "960x540", each from min to max, or "1080p"
-    RF_OPTION_MEMORY, // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
-    RF_OPTION_FPS,    // RfFps, "24", "24000/1001" or "23.976"
-    RF_OPTION_CHOICE, // int, index into choices
-    RF_OPTION_STRING, // const char*, points into argv; may not be empty
-    RF_OPTION_BOOL,   // bool
+    RF_OPTION_INT,     // int, from min to max
+    RF_OPTION_UINT64,  // uint64_t, any
+    RF_OPTION_REAL,    // double, from min to max, finite
+    RF_OPTION_NOISE,   // double, relMSE, from min to max, or the relative RMS error of a channel in percent: "0.01" or "5.8%"
+    RF_OPTION_FLICKER, // double, relative F1, from min to max, or in percent: "0.02" or "2%"
+    RF_OPTION_TIME,    // double, seconds, from min to max: "20", "20s", "5m", "1h30m"
+    RF_OPTION_SIZE,    // RfSize, "960x540", each from min to max, or "1080p"
+    RF_OPTION_MEMORY,  // size_t, bytes, "512M", "4G", "1.5G", from min on (a plain number is bytes)
+    RF_OPTION_FPS,     // RfFps, "24", "24000/1001" or "23.976"
+    RF_OPTION_CHOICE,  // int, index into choices
+    RF_OPTION_STRING,  // const char*, points into argv; may not be empty
+    RF_OPTION_BOOL,    // bool
 } RfOptionType;
 
 typedef struct RfSize
@@ -89,6 +90,8 @@ typedef struct RfOption
     RF_RANGE_OPTION( option, RF_OPTION_REAL, double*, to, low, high, what, __VA_ARGS__ )
 #define RF_NOISE_OPTION( option, to, low, high, what, ... )                                                                      \
     RF_RANGE_OPTION( option, RF_OPTION_NOISE, double*, to, low, high, what, __VA_ARGS__ )
+#define RF_FLICKER_OPTION( option, to, low, high, what, ... )                                                                    \
+    RF_RANGE_OPTION( option, RF_OPTION_FLICKER, double*, to, low, high, what, __VA_ARGS__ )
 #define RF_TIME_OPTION( option, to, low, high, what, ... )                                                                       \
     RF_RANGE_OPTION( option, RF_OPTION_TIME, double*, to, low, high, what, __VA_ARGS__ )
 #define RF_SIZE_OPTION( option, to, low, high, what, ... )                                                                       \
@@ -140,8 +143,8 @@ RfResult rf_parse_option_value( const RfOption* option, const char* text, RfErro
 // Appends what an option wants on a command line, or as JSON of a scene file.
 void rf_describe_wanted( const RfOption* option, bool is_json, char* words, size_t size );
 
-// A relMSE, or the noise of a channel with %, at the start of `text`; `rest`: what follows.
-bool rf_parse_noise( const char* text, double* relmse, const char** rest );
+// A relMSE, or the noise of a channel with %, at the start of `text`; or a relative F1, or that with %. `rest`: what follows.
+bool rf_parse_error_goal( const char* text, bool is_flicker, double* value, const char** rest );
 
 // The first of our words for what other programs call a command or an option that is among `words`, or NULL.
 const char* rf_find_synonym( const char* word, const char* const* words, int count );

@@ -63,6 +63,7 @@ static const char* to_text( const RfOption* option, const json_t* json, char* te
                 return string;
             return print_number( json, text, size ) ? text : NULL;
         case RF_OPTION_NOISE:
+        case RF_OPTION_FLICKER:
             if ( string != NULL && strchr( string, '%' ) != NULL )
                 return string;
             return print_number( json, text, size ) ? text : NULL;
@@ -365,7 +366,8 @@ static const RfOption s_options[] = {
         render_parse.options,
         "render each frame until its estimated relMSE is at most E, or the noise of a channel in percent: 5.8% is relMSE 0.01; "
         "with --denoise, that of the denoised picture",
-        "render until the estimated F1 (reframe flicker) of each pair of neighbouring frames is at most F",
+        "render until the estimated flicker of each pair of neighbouring frames is at most F, as a relative F1 or in percent "
+        "(reframe flicker)",
         "average time per frame: seconds, or 20s, 5m, 1h30m; with --noise or --flicker, whichever is reached first" ),
     RF_ADAPTIVE_OPTION( render_parse.options,
                         "extra samples where other frames contribute few: borders, disocclusions, mirrors, glass; "

@@ -73,8 +73,8 @@ extern RfDefaultTexts rf_default_texts;
                    .heading = RF_HEADING_QUALITY ),                                                                              \
         RF_NOISE_OPTION( "noise", &( o ).settings.noise, 0, RF_MAX_NOISE, "E", ( noise_help ), .in_file = true,                  \
                          .default_text = "off", .heading = RF_HEADING_QUALITY ),                                                 \
-        RF_REAL_OPTION( "flicker", &( o ).settings.flicker, 0, RF_MAX_FLICKER, "F", ( flicker_help ), .in_file = true,           \
-                        .default_text = "off", .heading = RF_HEADING_QUALITY ),                                                  \
+        RF_FLICKER_OPTION( "flicker", &( o ).settings.flicker, 0, RF_MAX_FLICKER, "F", ( flicker_help ), .in_file = true,        \
+                           .default_text = "off", .heading = RF_HEADING_QUALITY ),                                               \
         RF_TIME_OPTION( "time", &( o ).settings.time, 0, RF_MAX_TIME, "T", ( time_help ), .in_file = true,                       \
                         .default_text = "off", .heading = RF_HEADING_QUALITY )
 

@@ -68,14 +68,15 @@ static void append_noise( const RfProgress* progress, char* text, size_t size )
 
 void rf_format_progress( const RfProgress* progress, char* text, size_t size )
 {
-    char spent[48], left[48], part[64];
+    char spent[48], left[48], part[64], flicker[RF_NOISE_TEXT_SIZE];
     format_duration( floor( progress->seconds ), spent, sizeof spent );
     format_duration( progress->left, left, sizeof left );
     int frame = progress->frames_done < progress->frames_all ? progress->frames_done + 1 : progress->frames_all;
     snprintf( text, size, "frame %d/%d  %.0f %%  %s spent  %s left", frame, progress->frames_all,
               floor( 100.0 * progress->share ), spent, left );
     append_noise( progress, text, size );
-    snprintf( part, sizeof part, "F1 %s%.2g", progress->flicker_is_lower_bound ? "at least " : "", progress->flicker );
+    rf_format_flicker( progress->flicker, flicker );
+    snprintf( part, sizeof part, "flicker %s%s", progress->flicker_is_lower_bound ? "at least " : "", flicker );
     if ( isgreater( progress->flicker, 0.0 ) && isfinite( progress->flicker ) )
         append_part( text, size, part );
     format_rate( progress->samples / progress->seconds, part, sizeof part );
@@ -133,10 +134,12 @@ void rf_show_frame( RfProgressLine* line, const RfFrameResult* result, int numbe
         rf_format_noise( fmax( result->denoised->denoised.relmse, 0.0 ), noise );
         fprintf( stderr, "  denoised %s (relMSE %.3g)", noise, result->denoised->denoised.relmse );
     }
+    rf_format_flicker( result->flicker_estimate, noise );
+    if ( isgreater( result->flicker_estimate, 0.0 ) )
+        fprintf( stderr, "  flicker %s%s", result->flicker_is_lower_bound ? "at least " : "", noise );
+    rf_format_flicker( result->flicker_likely, noise );
     if ( result->flicker_is_lower_bound )
-        fprintf( stderr, "  F1 at least %.3g, likely %.3g", result->flicker_estimate, result->flicker_likely );
-    else if ( isgreater( result->flicker_estimate, 0.0 ) )
-        fprintf( stderr, "  F1 %.3g", result->flicker_estimate );
+        fprintf( stderr, ", likely %s", noise );
     fprintf( stderr, "  %.4g samples/pixel, %.4g effective\n", result->native_spp, result->effective_spp );
 }
 

@@ -138,10 +138,12 @@ static void warn_of_stop( const RfFrameErrors* errors, const RfRenderSettings* s
                  wanted, settings->noise, stats->missed, frame_count, errors->worst_frame,
                  errors->worst_is_lower_bound ? "likely " : "", denoised ? "up to " : "", worst, errors->worst_relmse,
                  settings->time > 0.0 ? "--time or --spp" : "--spp" );
+    rf_format_flicker( settings->flicker, wanted );
+    rf_format_flicker( errors->worst_flicker, worst );
     if ( stats->flicker_missed > 0 )
-        rf_warn( log, "--flicker %g: not reached in %d of %d frames, frames %d and %d have a likely F1 of %.3g: allow more %s",
-                 settings->flicker, stats->flicker_missed, frame_count, errors->worst_pair - 1, errors->worst_pair,
-                 errors->worst_flicker, settings->time > 0.0 ? "--time or --spp" : "--spp" );
+        rf_warn( log, "--flicker: %s not reached in %d of %d frames, frames %d and %d have likely %s: allow more %s", wanted,
+                 stats->flicker_missed, frame_count, errors->worst_pair - 1, errors->worst_pair, worst,
+                 settings->time > 0.0 ? "--time or --spp" : "--spp" );
     if ( stats->hurried )
         rf_warn( log, "--time %g: too short for this size and these groups: the least, 2 samples per pixel, took %.3g s a frame",
                  settings->time, stats->seconds / run_count );

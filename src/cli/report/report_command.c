@@ -172,7 +172,8 @@ static void add_error( json_t* facts, const RfPageTrack* track )
     }
     RfFlickerMetrics flicker = rf_flicker_metrics( &track->flicker );
     add_number( facts, "Error", "Flicker: phi", track->flicker.pairs > 0 ? flicker.phi : (double)NAN, format_three );
-    add_number( facts, "Error", "Flicker: F1", track->flicker.pairs > 0 ? flicker.f1 : (double)NAN, format_three );
+    add_number( facts, "Error", "Flicker: relative F1", track->flicker.pairs > 0 ? flicker.f1_relative : (double)NAN,
+                format_three );
 }
 
 typedef struct Strings
@@ -289,8 +290,8 @@ static json_t* track_result_json( const RfPageTrack* track )
                       rf_json_frames( track->missing, track->missing_count ), "picture_bytes", (json_int_t)track->picture_bytes,
                       "value_bytes", (json_int_t)track->value_bytes, "aov_bytes", (json_int_t)track->layer_bytes, "relmse",
                       rf_json_number( track->has_error ? track->error.relmse : (double)NAN ), "relmse_estimate",
-                      rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1 : (double)NAN ), "phi",
-                      rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
+                      rf_json_number( track->estimate ), "f1", rf_json_number( has_flicker ? flicker.f1_relative : (double)NAN ),
+                      "phi", rf_json_number( has_flicker ? flicker.phi : (double)NAN ) );
 }
 
 static json_t* page_result_json( const RfPageRun* report, uint64_t bytes )

@@ -434,6 +434,7 @@ static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame*
     RfErrorMetrics metrics;
     RF_TRY( rf_measure_frame( &work->errors, work->track->run->count, &frame->signal, reference, &metrics, error ) );
     figures->relmse = metrics.relmse;
+    RF_TRY( rf_take_brightness( frame, reference, error ) );
     size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
     for ( size_t i = 0; i < count; ++i )
         frame->signal.rgb[i] -= reference->rgb[i];
@@ -490,7 +491,7 @@ static RfResult measure_flicker( Work* work, int i, RfError* error )
     RF_TRY( rf_measure_flicker( now, before, track->compensated, track->reference != NULL, &sums, error ) );
     RfFlickerMetrics metrics = rf_flicker_metrics( &sums );
     track->frames[i].phi = metrics.phi;
-    track->frames[i].f1 = metrics.f1;
+    track->frames[i].f1 = metrics.f1_relative;
     rf_add_flicker( &track->flicker, &sums );
     return RF_OK;
 }
@@ -535,6 +536,8 @@ static RfResult add_frame( Work* work, int i, RfError* error )
     bool has_reference = reference.rgb != NULL;
     if ( result == RF_OK && has_reference )
         result = measure_error( work, figures, frame, &reference, error );
+    else if ( result == RF_OK )
+        result = rf_take_brightness( frame, &frame->signal, error );
     rf_destroy_image( &reference );
     work->has_frame[i % 2] = !track->sequence.is_reference && ( has_reference || track->reference == NULL );
     return result == RF_OK ? measure_flicker( work, i, error ) : result;

@@ -52,7 +52,7 @@ typedef struct RfPageFrame
     bool at_least;   // the estimate is a lower bound only
     double seconds;
     double samples, effective; // traced per pixel; landed in a pixel
-    double phi, f1;            // of this frame and the one before
+    double phi, f1;            // of this frame and the one before; relative
     size_t bad;                // pixels with NaN or infinity
 } RfPageFrame;
 

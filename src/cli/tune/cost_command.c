@@ -28,7 +28,7 @@ typedef struct Goals
 } Goals;
 
 static RfTrialOptions s_given;   // the table points here, and to the goals
-static Goals s_noise, s_flicker; // relMSE, F1
+static Goals s_noise, s_flicker; // relMSE, relative F1
 
 typedef struct Job
 {
@@ -113,7 +113,7 @@ static void print_slope( const RfCostCurve* c, const char* name )
 // The whole render, including the loading of the scene.
 static double path_seconds( const Job* r, RfCostPrediction p ) { return p.seconds + r->load_seconds; }
 
-// What is wanted: a relMSE, or an F1.
+// What is wanted: a relMSE, or a relative F1.
 typedef struct Goal
 {
     const char* name;
@@ -203,9 +203,9 @@ static void print_denoised_price( const Job* r, const char* name, Goal goal, int
 static void format_goal( Goal goal, char* text, size_t size )
 {
     char noise[RF_NOISE_TEXT_SIZE];
-    rf_format_noise( goal.value, noise );
+    ( goal.is_flicker ? rf_format_flicker : rf_format_noise )( goal.value, noise );
     if ( goal.is_flicker )
-        snprintf( text, size, "F1 %g", goal.value );
+        snprintf( text, size, "flicker %s", noise );
     else
         snprintf( text, size, "%s noise (relMSE %.3g)", noise, goal.value );
 }
@@ -467,7 +467,8 @@ static const RfOption s_options[] = {
                     "time to spend, in seconds or as 5m; more time narrows the intervals" ),
     RF_TEXT_OPTION( "noise", &s_noise.text, "E[,...]",
                     "predict the time to reach each relMSE, or noise of a channel in percent: 5.8% is relMSE 0.01" ),
-    RF_TEXT_OPTION( "flicker", &s_flicker.text, "F[,...]", "predict the time to reach each F1 between neighbouring frames" ),
+    RF_TEXT_OPTION( "flicker", &s_flicker.text, "F[,...]",
+                    "predict the time to reach each flicker of neighbouring frames, as a relative F1 or in percent" ),
     RF_FILTER_OPTIONS( s_given.render ),
     RF_PATH_TRACING_OPTIONS( s_given.render ),
     RF_SEED_OPTION( s_given.render ),
@@ -493,7 +494,7 @@ static const RfCommandTable s_table = {
     RF_TABLE_ROWS( s_files, s_options )
 };
 
-// The numbers of an option; those of relMSE may be in percent.
+// The numbers of an option, or percent.
 static RfResult parse_goals( const char* name, bool is_noise, Goals* goals, RfError* error )
 {
     goals->count = 0;
@@ -501,10 +502,11 @@ static RfResult parse_goals( const char* name, bool is_noise, Goals* goals, RfEr
     {
         const char* end;
         double value;
-        bool is_number = rf_parse_noise( text, &value, &end );
-        if ( !is_number || !( value > 0.0 ) || ( *end != ',' && *end != '\0' ) || ( !is_noise && end[-1] == '%' ) )
-            return rf_fail( error, RF_ERROR_USAGE, "%s: expected numbers above 0%s with commas between them, got '%s'", name,
-                            is_noise ? ", or percent such as 5%," : "", goals->text );
+        bool is_number = rf_parse_error_goal( text, !is_noise, &value, &end );
+        if ( !is_number || !( value > 0.0 ) || ( *end != ',' && *end != '\0' ) )
+            return rf_fail( error, RF_ERROR_USAGE,
+                            "%s: expected numbers above 0, or percent such as 5%%, with commas between them, got '%s'", name,
+                            goals->text );
         if ( goals->count == COST_ERRORS )
             return rf_fail( error, RF_ERROR_USAGE, "%s: more than %d numbers", name, COST_ERRORS );
         goals->values[goals->count++] = value;

@@ -182,8 +182,10 @@ static void print_groups( const Job* r )
 
 static void print_row( const RfTrialRow* row )
 {
-    char tile[RF_TILE_NAME_SIZE], relmse[RF_FIGURE_SIZE], noise[RF_NOISE_TEXT_SIZE], gain[RF_FIGURE_SIZE], interval[48] = "";
+    char tile[RF_TILE_NAME_SIZE], relmse[RF_FIGURE_SIZE], noise[RF_NOISE_TEXT_SIZE], gain[RF_FIGURE_SIZE],
+        interval[48] = "", flicker[RF_NOISE_TEXT_SIZE];
     rf_tile_name( &row->tile, tile );
+    rf_format_flicker( row->f1, flicker );
     rf_format_figure( &row->error, relmse );
     rf_format_figure( &row->gain, gain );
     if ( rf_is_known( &row->error ) )
@@ -192,8 +194,8 @@ static void print_row( const RfTrialRow* row )
         snprintf( noise, sizeof noise, "?" );
     if ( rf_is_known( &row->gain ) && !rf_is_plain_row( row ) )
         snprintf( interval, sizeof interval, "%.3g to %.3g", row->gain.low, row->gain.high );
-    printf( "%c%5d %8s %5d %9.1f %9.3g %8s %9s %9.3g %8s  %s", row->chosen ? '*' : ' ', row->group, tile, row->spp,
-            fit_mib( &row->fit ), row->seconds, noise, relmse, row->f1, gain, interval );
+    printf( "%c%5d %8s %5d %9.1f %9.3g %8s %9s %9s %8s  %s", row->chosen ? '*' : ' ', row->group, tile, row->spp,
+            fit_mib( &row->fit ), row->seconds, noise, relmse, flicker, gain, interval );
     printf( row->fit.sweeps > 1 ? "  in %d sweeps\n" : "\n", row->fit.sweeps );
 }
 
@@ -224,7 +226,7 @@ static void print_left_out( const RfTune* tune )
 static void print_rows( const Job* r )
 {
     const RfTune* tune = &r->tune;
-    printf( "%6s %8s %5s %9s %9s %8s %9s %9s %8s  %s\n", "group", "tile", "spp", "MiB", "seconds", "noise", "relMSE", "F1",
+    printf( "%6s %8s %5s %9s %9s %8s %9s %9s %8s  %s\n", "group", "tile", "spp", "MiB", "seconds", "noise", "relMSE", "flicker",
             "gain", "95 %" );
     for ( int i = 0; i < tune->count; ++i )
     {
@@ -283,8 +285,9 @@ static void append_promise( const Job* r, const RfTrialRow* row, char* text, siz
                ceil( fit_mib( &row->fit ) ) );
     if ( isfinite( relmse ) )
         rf_append( text, size, ", %s %s noise (relMSE %.2g)", known ? "about" : "at least", noise, relmse );
+    rf_format_flicker( row->f1, noise );
     if ( r->tune.goal == RF_TUNE_FLICKER )
-        rf_append( text, size, ", F1 about %.2g", row->f1 );
+        rf_append( text, size, ", flicker about %s", noise );
 }
 
 // As rf_format_gain at equal flicker, of which the interval is not known.
@@ -502,11 +505,12 @@ static const RfOption s_options[] = {
         "budget", &s_given.budget, 0.0, 1e6, "T",
         "time to spend, in seconds or as 5m: more time tries more settings and narrows the intervals; 0: no renders, only "
         "the table of groups" ),
-    RF_CHOICE_OPTION( "goal", &s_goal, s_goals, "what to minimise at equal CPU time: relMSE, or F1 between neighbouring frames" ),
+    RF_CHOICE_OPTION( "goal", &s_goal, s_goals,
+                      "what to minimise at equal CPU time: relMSE, or the flicker of neighbouring frames" ),
     RF_STOP_OPTIONS( s_given.render,
                      "of a render that stops at this relMSE, or noise in percent: its memory; time and rays are upper limits, "
                      "cost --noise predicts them",
-                     "the same for a render that stops at this F1",
+                     "the same for a render that stops at this flicker",
                      "the same for a render that stops after this time per frame" ),
     RF_ADAPTIVE_OPTION( s_given.render, "include the memory for extra samples; their time is not predicted" ),
     RF_CLAMP_OPTION( s_given.render, "include the memory of a clamp; cost says what it saves" ),

@@ -60,7 +60,7 @@ function makePanel(sequence, index, data) {
 
 // Curves of what any sequence has.
 function addCharts(data, seek) {
-  const titles = { relmse: "Error: relMSE", phi: "Flicker: \u03c6", f1: "Flicker: F1", seconds: "Seconds", samples: "Samples" };
+  const titles = { relmse: "Error: relMSE", phi: "Flicker: \u03c6", f1: "Flicker: relative F1", seconds: "Seconds", samples: "Samples" };
   return Object.entries(titles).flatMap(([key, title]) => {
     const all = data.sequences.map((sequence, index) => ({ name: sequence.name, color: colorOf(index), values: sequence[key] }));
     const series = all.filter(one => one.values.some(value => value !== null));

@@ -359,7 +359,7 @@ static void walk_films( RfMemoryWalk* w, RfRenderMemory* m )
     const RfRenderSizes* s = w->sizes;
     OPEN_TABLE( w, "film table", m->films, s->films );
     TAKE( w, "film table", m->noise_estimates, s->stopping ? s->films : 0 );
-    TAKE( w, "film table", m->kept_errors, s->paired ? 3 * rf_film_pixels( s ) : 0 );
+    TAKE( w, "film table", m->kept_errors, s->paired ? RF_KEPT_FLOATS * rf_film_pixels( s ) : 0 );
     TAKE( w, "adaptive", m->noise, rf_material_noises( s ) );
     for ( int i = 0; i < s->films; ++i )
     {
