@@ -2,6 +2,7 @@
 #include "base/file.h"
 
 #include "base/random.h"
+#include "base/words.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -123,7 +124,46 @@ static bool is_named_blend( const char* path )
     return end != NULL && strncmp( end, ".blend", 6 ) == 0;
 }
 
-RfResult rf_refuse_blend_file( const char* path, const void* bytes, size_t size, RfError* error )
+typedef struct Format
+{
+    const char *magic, *ending; // what it begins with, or what its name ends in; or NULL
+    bool is_model;
+    const char *name, *advice;
+} Format;
+
+#define USD_ADVICE "export it as glTF, such as by Blender"
+#define MODEL_ADVICE "reframe convert makes a .glb of it"
+
+static const Format s_formats[] = {
+    { "version https://git-lfs", NULL, false, "a pointer of git-lfs, not the file", "git lfs pull gets that" },
+    { "<!DOCTYPE", NULL, false, "a page of the web", "download the file itself" },
+    { "<html", NULL, false, "a page of the web", "download the file itself" },
+    { "#usda", NULL, false, "USD", USD_ADVICE },
+    { "PXR-USDC", NULL, false, "USD", USD_ADVICE },
+    { NULL, ".usdz", false, "USD", USD_ADVICE },
+    { "PK\3\4", NULL, false, "a zip archive", "unpack it" },
+    { "Kaydara FBX", NULL, true, "FBX", MODEL_ADVICE },
+    { "; FBX", NULL, true, "FBX", MODEL_ADVICE },
+    { "ply", NULL, true, "PLY", MODEL_ADVICE },
+    { NULL, ".fbx", true, "FBX", MODEL_ADVICE },
+    { NULL, ".obj", true, "OBJ", MODEL_ADVICE },
+    { NULL, ".dae", true, "Collada", MODEL_ADVICE },
+};
+
+static RfResult refuse_format( const char* path, const void* bytes, size_t size, bool is_model, RfError* error )
+{
+    for ( size_t i = 0; i < sizeof s_formats / sizeof s_formats[0]; ++i )
+    {
+        const Format* f = s_formats + i;
+        bool is =
+            f->magic != NULL ? starts_with( bytes, size, f->magic, strlen( f->magic ) ) : rf_has_extension( path, f->ending );
+        if ( is && !( f->is_model && is_model ) )
+            return rf_fail( error, RF_ERROR_UNSUPPORTED, "%.300s: is %s: %s", path, f->name, f->advice );
+    }
+    return RF_OK;
+}
+
+RfResult rf_refuse_foreign_file( const char* path, const void* bytes, size_t size, bool is_model, RfError* error )
 {
     bool zstd = starts_with( bytes, size, "\x28\xb5\x2f\xfd", 4 ), gzip = starts_with( bytes, size, "\x1f\x8b", 2 );
     const char* by = zstd ? "zstd" : "gzip";
@@ -134,5 +174,5 @@ RfResult rf_refuse_blend_file( const char* path, const void* bytes, size_t size,
     if ( zstd || gzip )
         return rf_fail( error, RF_ERROR_UNSUPPORTED,
                         "%.300s: is compressed by %s: uncompress it first, or if it is a Blender file " EXPORT, path, by, path );
-    return RF_OK;
+    return refuse_format( path, bytes, size, is_model, error );
 }

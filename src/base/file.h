@@ -1,4 +1,4 @@
-// Reads whole files into memory, hashes their contents, and refuses Blender's own, which users give in place of an export.
+// Reads whole files into memory, hashes their contents, and refuses what users give in place of a scene.
 #ifndef REFRAME_BASE_FILE_H
 #define REFRAME_BASE_FILE_H
 
@@ -21,8 +21,9 @@ RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t
 // Hashing a and then b differs from hashing their concatenation.
 uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size );
 
-// Fails with RF_ERROR_UNSUPPORTED, and says how to export it, where the first bytes of `path` are those
-// of a .blend or of a compressed file, as Blender writes them too (zstd since 3.0, gzip before).
-RfResult rf_refuse_blend_file( const char* path, const void* bytes, size_t size, RfError* error );
+// Fails with RF_ERROR_UNSUPPORTED, and says what to do, where the first bytes of `path` are those of a .blend or of a compressed file, as
+// Blender writes them too (zstd since 3.0, gzip before), of USD, an archive, a page of the web or a pointer in its place; with
+// `is_model` false also those of a model that `convert` reads, or its ending.
+RfResult rf_refuse_foreign_file( const char* path, const void* bytes, size_t size, bool is_model, RfError* error );
 
 #endif

@@ -21,6 +21,11 @@ RfResult rf_parse_json( const char* path, const void* text, size_t size, const c
                         RfError* error )
 {
     json_error_t fault;
+    if ( size >= 3 && memcmp( text, "\xef\xbb\xbf", 3 ) == 0 ) // a byte-order mark
+    {
+        text = (const char*)text + 3;
+        size -= 3;
+    }
     errno = 0; // jansson takes a string that it has no memory for for one that is not there
     *root = json_loadb( text, size, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &fault );
     if ( *root == NULL && errno == ENOMEM )
@@ -342,13 +347,24 @@ RfResult rf_field_check( const RfField* field, RfRange range, double value )
     if ( contains( range, value ) )
         return rf_json_result( field );
     describe_range( field, range, limits, sizeof limits );
-    return field->gltf ? rf_field_fail( field, "is %g, it must be %s", value, limits )
-                       : rf_field_fail( field, "must be a number %s, got %g", limits, value );
+    return field->gltf ? rf_field_fail( field, "is %.9g, it must be %s", value, limits )
+                       : rf_field_fail( field, "must be a number %s, got %.9g", limits, value );
 }
 
-static bool in_range( const json_t* json, RfRange range, double* value )
+#define ROUNDED 1e-4
+
+double rf_round_into( RfRange range, double number )
+{
+    if ( number > range.high && number <= range.high + ROUNDED )
+        return range.high;
+    return !range.open && number < range.low && number >= range.low - ROUNDED ? range.low : number;
+}
+
+static bool in_range( bool gltf, const json_t* json, RfRange range, double* value )
 {
     double number = json_number_value( json );
+    if ( gltf )
+        number = rf_round_into( range, number );
     if ( !json_is_number( json ) || !contains( range, number ) )
         return false;
     *value = number;
@@ -357,7 +373,7 @@ static bool in_range( const json_t* json, RfRange range, double* value )
 
 RfResult rf_field_number( const RfField* field, RfRange range, double* value )
 {
-    if ( !is_given( field ) || in_range( field->json, range, value ) )
+    if ( !is_given( field ) || in_range( field->gltf, field->json, range, value ) )
         return rf_json_result( field );
     if ( field->gltf && json_is_number( field->json ) )
         return rf_field_check( field, range, json_number_value( field->json ) );
@@ -368,17 +384,17 @@ RfResult rf_field_number( const RfField* field, RfRange range, double* value )
 }
 
 // Values are taken as far as they are numbers of the range.
-static bool take_numbers( const json_t* json, RfRange range, int count, double* values )
+static bool take_numbers( bool gltf, const json_t* json, RfRange range, int count, double* values )
 {
     int taken = 0;
-    while ( taken < count && in_range( json_array_get( json, (size_t)taken ), range, values + taken ) )
+    while ( taken < count && in_range( gltf, json_array_get( json, (size_t)taken ), range, values + taken ) )
         ++taken;
     return json_is_array( json ) && taken == count && json_array_size( json ) == (size_t)count;
 }
 
 RfResult rf_field_numbers( const RfField* field, RfRange range, int count, double* values )
 {
-    if ( !is_given( field ) || take_numbers( field->json, range, count, values ) )
+    if ( !is_given( field ) || take_numbers( field->gltf, field->json, range, count, values ) )
         return rf_json_result( field );
     size_t given = json_array_size( field->json );
     if ( field->gltf && json_is_array( field->json ) && given != (size_t)count )
@@ -471,7 +487,7 @@ RfResult rf_field_array( const RfField* field, const char* item, size_t least, s
 RfResult rf_get_number( const RfField* object, const char* key, RfRange range, double* value )
 {
     RETURN_UNLESS_GIVEN( object, key );
-    if ( in_range( json_object_get( object->json, key ), range, value ) )
+    if ( in_range( object->gltf, json_object_get( object->json, key ), range, value ) )
         return RF_OK;
     RfField member = rf_field_member( object, key );
     return rf_field_number( &member, range, value );
@@ -480,7 +496,7 @@ RfResult rf_get_number( const RfField* object, const char* key, RfRange range, d
 RfResult rf_get_numbers( const RfField* object, const char* key, RfRange range, int count, double* values )
 {
     RETURN_UNLESS_GIVEN( object, key );
-    if ( take_numbers( json_object_get( object->json, key ), range, count, values ) )
+    if ( take_numbers( object->gltf, json_object_get( object->json, key ), range, count, values ) )
         return RF_OK;
     RfField member = rf_field_member( object, key );
     return rf_field_numbers( &member, range, count, values );

@@ -104,6 +104,9 @@ static inline RfRange rf_above( double low, double high ) { return ( RfRange ){ 
 
 static inline RfRange rf_any_number( void ) { return ( RfRange ){ -HUGE_VAL, HUGE_VAL, false }; }
 
+// What is at most 1e-4 beyond a limit is at it, as programs write numbers of glTF with few digits.
+double rf_round_into( RfRange range, double number );
+
 // Fails for a number that is not in a range.
 RfResult rf_field_check( const RfField* field, RfRange range, double value );
 

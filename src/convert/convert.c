@@ -211,7 +211,7 @@ RfConvertOptions rf_default_convert_options( void )
     return ( RfConvertOptions ){ .scale = 1.0, .memory = (size_t)4 << 30, .seconds = 120.0 };
 }
 
-#define HEAD_BYTES 8
+#define HEAD_BYTES 32
 
 // The first bytes; what cannot be read is an error of the system's words.
 static RfResult read_head( const char* path, char head[HEAD_BYTES], RfError* error )
@@ -233,7 +233,7 @@ static RfResult check_files( const char* from, const char* to, bool overwrite, c
     if ( !rf_has_extension( to, ".glb" ) )
         return rf_fail( error, RF_ERROR_USAGE, "%s: only .glb is written: name it .glb", to );
     RF_TRY( read_head( from, head, error ) );
-    RF_TRY( rf_refuse_blend_file( from, head, HEAD_BYTES, error ) );
+    RF_TRY( rf_refuse_foreign_file( from, head, HEAD_BYTES, true, error ) );
     if ( rf_has_extension( from, ".glb" ) || rf_has_extension( from, ".gltf" ) || memcmp( head, "glTF", 4 ) == 0 )
         return rf_fail( error, RF_ERROR_USAGE, "%s: is glTF already and needs no conversion: render it as it is", from );
     struct stat status;

@@ -330,7 +330,7 @@ static RfResult open_document( RfGltf* gltf )
 {
     RF_TRY( rf_read_file( gltf->path, MAX_FILE_BYTES, &gltf->file, &gltf->file_size, gltf->error ) );
     gltf->scene->content_hash = rf_hash_bytes( RF_HASH_START, gltf->file, gltf->file_size );
-    RF_TRY( rf_refuse_blend_file( gltf->path, gltf->file, gltf->file_size, gltf->error ) );
+    RF_TRY( rf_refuse_foreign_file( gltf->path, gltf->file, gltf->file_size, false, gltf->error ) );
     if ( is_glb( gltf->file, gltf->file_size ) == false )
         return parse( gltf, (const char*)gltf->file, gltf->file_size );
 

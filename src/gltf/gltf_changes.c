@@ -8,11 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-// A value by its range; `name` is what messages call it.
-static RfResult check_value( const RfGltf* gltf, const char* where, const char* name, const RfChangedTraits* traits,
-                             double value )
+// A value by its range, into which it is rounded; `name` is what messages call it.
+static RfResult check_value( const RfGltf* gltf, const char* where, const char* name, const RfChangedTraits* traits, double* at )
 {
     RfRange range = { traits->low, traits->high, ( traits->flags & RF_VALUE_ABOVE ) != 0 };
+    double value = *at = rf_round_into( range, *at );
     RfField field = rf_gltf_field( gltf, rf_where( "%s.%s", where, name ).text, NULL );
     field.owner = (int)strlen( where );
     return ( traits->flags & RF_VALUE_LIMITED ) != 0 && fabs( value ) > traits->high
@@ -29,7 +29,7 @@ RfResult rf_gltf_read_value( const RfGltf* gltf, const RfField* home, RfChangedV
     else
         rf_get_number( home, traits->name, rf_any_number(), to );
     for ( int i = 0; i < traits->components && rf_has_member( home, traits->name ); ++i )
-        check_value( gltf, home->path, traits->name, traits, to[i] );
+        check_value( gltf, home->path, traits->name, traits, to + i );
     return rf_json_result( home );
 }
 
@@ -52,12 +52,12 @@ RfResult rf_gltf_check_change( const RfGltf* gltf, const char* where, const RfCh
     const RfChannel* channel = &change->channel;
     const RfChangedTraits* traits = rf_changed_traits( change->value );
     size_t n = (size_t)channel->components, per_key = channel->interpolation == RF_CUBICSPLINE ? 3 * n : n;
-    const double* values = channel->values + ( per_key > n ? n : 0 );
+    double* values = channel->values + ( per_key > n ? n : 0 );
     RfWhere name = rf_where( "%s of the output", traits->name );
     for ( size_t k = 0; k < (size_t)channel->count; ++k )
     {
         for ( size_t i = 0; i < n; ++i )
-            RF_TRY( check_value( gltf, where, name.text, traits, values[k * per_key + i] ) );
+            RF_TRY( check_value( gltf, where, name.text, traits, values + k * per_key + i ) );
     }
     return RF_OK;
 }

@@ -67,6 +67,45 @@ TEST( test_blend_files_are_recognised )
     cli_expect( cli_run( "$R info a.glb" ), 1, "a.glb: is compressed by zstd: uncompress it first, or if it is a Blender file" );
 }
 
+// What is no scene is named, with what to do; `convert` reads models.
+TEST( test_other_files_are_named )
+{
+    static const struct
+    {
+        const char *name, *bytes, *said;
+        bool is_model;
+    } cases[] = {
+        { "lfs.glb", "version https://git-lfs.github.com/spec/v1\noid", "lfs.glb: is a pointer of git-lfs, not the file: git lfs",
+          false },
+        { "web.gltf", "<!DOCTYPE html>\n<html>", "web.gltf: is a page of the web: download the file itself", false },
+        { "z.glb", "PK\3\4abcd", "z.glb: is a zip archive: unpack it", false },
+        { "s.usdz", "PK\3\4abcd", "s.usdz: is USD: export it as glTF", false },
+        { "s.usd", "PXR-USDC\1", "s.usd: is USD: export it as glTF", false },
+        { "m.fbx", "Kaydara FBX Binary  ", "m.fbx: is FBX: reframe convert makes a .glb of it", true },
+        { "m.obj", "v 0 0 0\n", "m.obj: is OBJ: reframe convert makes a .glb of it", true },
+        { "m.dae", "<?xml version=\"1.0\"?>", "m.dae: is Collada: reframe convert makes a .glb of it", true },
+        { "points", "ply\nformat ascii 1.0\n", "points: is PLY: reframe convert makes a .glb of it", true },
+    };
+    for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
+    {
+        cli_write( cases[i].name, cases[i].bytes, strlen( cases[i].bytes ) );
+        cli_expect( cli_run( "$R render %s -o a.exr", cases[i].name ), 1, cases[i].said );
+        const CliResult* converted = cli_run( "$R convert %s new.glb", cases[i].name );
+        assert_int_equal( converted->status, 1 );
+        assert_true( ( strstr( converted->err, ": is " ) == NULL ) == cases[i].is_model );
+    }
+    // a byte-order mark, and a number that is rounded
+    static const char scene[] = "\xef\xbb\xbf{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"pbrMetallicRoughness\":{"
+                                "\"baseColorFactor\":[%s,1,1,1]}}]}";
+    char text[256];
+    snprintf( text, sizeof text, scene, "1.0000001" );
+    cli_write( "a.gltf", text, strlen( text ) );
+    assert_null( strstr( cli_run( "$R info a.gltf" )->err, "baseColorFactor" ) );
+    snprintf( text, sizeof text, scene, "1.0011" );
+    cli_write( "a.gltf", text, strlen( text ) );
+    cli_expect( cli_run( "$R info a.gltf" ), 1, "baseColorFactor is 1.0011, it must be 0 to 1" );
+}
+
 // Two folders: what both have is measured, and the rest is named.
 TEST( test_folders_are_compared )
 {
