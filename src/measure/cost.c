@@ -4,6 +4,7 @@
 #include "base/system.h"
 #include "base/try.h"
 #include "measure/image_error.h"
+#include "reframe/plan.h"
 #include "render/estimator.h"
 #include "render/groups.h"
 #include "render/settings.h"
@@ -13,6 +14,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define COST_ROUNDS 100
 #define COST_TASKS ( 2 * RF_COST_POSITIONS ) // of a round: path tracing and reuse by turns, with different seeds
@@ -28,94 +30,91 @@ typedef struct CostStudy
     int first_passes, passes; // of the first level and of this one
     double clamp;             // threshold of the first round; 0: none is tried
     int round;
-    RfTrial sums[2];                 // of all rounds: each weighs as its passes, since more samples determine the error better
+    RfTrial sums[2];                 // of all rounds, as weight_of says
     RfTrial clamped[RF_COST_CLAMPS]; // of reuse, by the clamp of the round
     double start;
 } CostStudy;
 
 static double cost_frame_pixels( const RfCostJob* job ) { return (double)job->shot.eyes->width * job->shot.eyes->height; }
 
-static const RfInterval s_unknown = { (double)NAN, (double)NAN, (double)NAN };
-
-RfInterval rf_fit_slope( const double* x, const double* y, int count )
+// The row of so many samples, powers of two times first_passes up to most_passes, which are listed in rising order.
+static RfTrialRow* row_of( RfCostCurve* c, int spp )
 {
-    double n = 0.0, su = 0.0, sv = 0.0, suu = 0.0, suv = 0.0, svv = 0.0;
-    RfInterval slope = s_unknown;
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( !( x[i] > 0.0 && y[i] > 0.0 && isfinite( x[i] ) && isfinite( y[i] ) ) )
-            continue;
-        double u = log( x[i] ), v = log( y[i] );
-        n += 1.0;
-        su += u;
-        sv += v;
-        suu += u * u;
-        suv += u * v;
-        svv += v * v;
-    }
-    double spread = suu - su * su / n;
-    if ( n < 2.0 || !( spread > 1e-12 * suu ) ) // all x are equal up to rounding
-        return slope;
-    slope.value = ( suv - su * sv / n ) / spread;
-    if ( n < 3.0 )
-        return slope;
-    double rest = svv - sv * sv / n - slope.value * slope.value * spread;
-    double margin = rf_student_quantile( (int)n - 2 ) * sqrt( fmax( rest, 0.0 ) / ( n - 2.0 ) / spread );
-    slope.low = slope.value - margin;
-    slope.high = slope.value + margin;
-    return slope;
+    int at = 0;
+    while ( at < c->count && c->rows[at].spp < spp )
+        at += 1;
+    if ( at < c->count && c->rows[at].spp == spp )
+        return c->rows + at;
+    memmove( c->rows + at + 1, c->rows + at, (size_t)( c->count++ - at ) * sizeof *c->rows );
+    c->rows[at] = ( RfTrialRow ){ .group = c->group, .eyes = c->eyes, .tile = c->tile, .spp = spp };
+    return c->rows + at;
 }
 
-static RfInterval slope_of( const RfCostCurve* c )
-{
-    double seconds[RF_COST_LEVELS], errors[RF_COST_LEVELS];
-    for ( int i = 0; i < c->count; ++i )
-    {
-        seconds[i] = c->rows[i].seconds;
-        errors[i] = c->rows[i].relmse;
-    }
-    return rf_fit_slope( seconds, errors, c->count );
-}
+// What a trial counts in the fit: of what is rare more samples say more.
+static double weight_of( const CostStudy* s, int passes ) { return sqrt( (double)passes / s->first_passes ); }
 
-static void add_trial( CostStudy* s, int curve, int position, const RfTrial* trial )
+static void add_trial( CostStudy* s, int curve, int position, int passes, const RfTrial* trial )
 {
-    RfTrialRow* row = ( curve == 0 ? &s->cost->plain : &s->cost->reuse )->rows;
-    for ( int passes = s->first_passes; passes < s->passes; passes *= 2 )
-        row += 1;
+    RfTrialRow* row = row_of( curve == 0 ? &s->cost->plain : &s->cost->reuse, passes );
+    double weight = weight_of( s, passes );
     rf_add_trial( &row->trial, trial );
     row->rounds += 1;
     int first = 0; // of the pieces of this position, the same in all rounds
     for ( int k = 0; k < position; ++k )
         first += s->runs.regions[k].pieces.count;
-    rf_add_weighed_trial( s->sums + curve, trial, s->passes, first );
+    rf_add_weighed_trial( s->sums + curve, trial, weight, first );
     if ( curve == 1 )
-        rf_add_weighed_trial( s->clamped + s->round % RF_COST_CLAMPS, trial, s->passes, first );
+        rf_add_weighed_trial( s->clamped + s->round % RF_COST_CLAMPS, trial, weight, first );
+}
+
+// The margin of the logarithm of an error.
+static double margin_of( RfInterval error ) { return log( error.high / error.value ); }
+
+// CPU seconds of a sample by all rows, without what a trial takes to begin: the slope of a line through their seconds, whose relative
+// errors are alike.
+static double sample_seconds_of( const CostStudy* s, const RfCostCurve* c, const RfTrial* sum )
+{
+    double weight = 0.0, x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+    for ( const RfTrialRow* row = c->rows; row < c->rows + c->count; ++row )
+    {
+        double w = row->rounds * weight_of( s, row->spp ) / ( (double)row->spp * row->spp );
+        double seconds = row->spp * rf_trial_sample_seconds( &row->trial );
+        weight += w;
+        x += w * row->spp;
+        y += w * seconds;
+        xx += w * row->spp * row->spp;
+        xy += w * row->spp * seconds;
+    }
+    if ( c->count < 2 )
+        return rf_trial_sample_seconds( sum );
+    double last = rf_trial_sample_seconds( &c->rows[c->count - 1].trial ),
+           slope = ( weight * xy - x * y ) / ( weight * xx - x * x );
+    return fmin( fmax( slope, 0.5 * last ), last ); // times of a busy machine may differ
 }
 
 // What all trials say together. All threads of a render work as fast as those of the trials.
 static void fit_cost_curve( CostStudy* s, int curve, RfCostCurve* c )
 {
     const RfTrial* sum = s->sums + curve;
+    RfErrorPoint points[RF_COST_LEVELS];
     double f1 = rf_trial_f1( sum, 1.0 );
-    c->error = rf_trial_error( sum );
-    c->relmse = rf_trial_relmse( sum, 1.0 );
-    c->f1_squared = f1 * f1;
-    c->sample_seconds = rf_trial_sample_seconds( sum ) / s->threads;
+    c->sample_seconds = sample_seconds_of( s, c, sum ) / s->threads;
     c->finish_seconds = sum->finish_pixels > 0.0
                             ? fmax( sum->finish_seconds, 0.0 ) / sum->finish_pixels * cost_frame_pixels( s->job ) / s->threads
                             : 0.0;
-    for ( c->count = 0; c->count < RF_COST_LEVELS && c->rows[c->count].rounds > 0; ++c->count )
+    for ( int i = 0; i < c->count; ++i )
     {
-        RfTrialRow* row = c->rows + c->count;
-        row->group = c->group;
-        row->eyes = c->eyes;
-        row->tile = c->tile;
-        row->spp = s->first_passes << c->count;
+        RfTrialRow* row = c->rows + i;
         row->samples = cost_frame_pixels( s->job ) * row->spp;
         row->fit.threads = s->threads;
         rf_predict_trial_row( row, cost_frame_pixels( s->job ), 1, 1.0 );
+        points[i] = ( RfErrorPoint ){ row->spp, row->relmse, weight_of( s, row->spp ) * row->rounds / s->cost->positions };
     }
-    c->slope = slope_of( c );
+    c->line = rf_fit_error_line( points, c->count, margin_of( rf_trial_error( sum ) ) );
+    // every group of a render takes some of what a trial takes to begin
+    double most = rf_trial_sample_seconds( &c->rows[c->count - 1].trial ) / s->threads;
+    c->time_margin = hypot( rf_trial_time_margin( sum ), log( most / c->sample_seconds ) );
+    c->f1_squared = f1 * f1 / c->line.samples;
 }
 
 static void fit_clamps( CostStudy* s )
@@ -124,8 +123,11 @@ static void fit_clamps( CostStudy* s )
     {
         const RfTrial* sum = s->clamped + i;
         double missing = fmax( sum->clamp.removed, 0.0 ) / sum->clamp.light, bias = sum->clamp.bias / sum->weight;
+        double samples = rf_trial_passes( sum );
+        RfInterval error = rf_trial_clamped_error( sum );
+        error = rf_log_interval( error.value / samples, margin_of( error ) );
         s->cost->clamps[i] = ( RfCostClamp ){ .threshold = sum->clamp.threshold / sum->clamp.frames,
-                                              .error = rf_trial_clamped_error( sum ),
+                                              .line = { samples, error, s->cost->reuse.line.exponent },
                                               // were the same share missing everywhere, in three channels, it were least
                                               .bias = fmax( bias, 3.0 * missing * missing ),
                                               .missing = missing };
@@ -142,7 +144,7 @@ const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse
     const RfCostClamp* best = NULL;
     for ( int i = 0; i < cost->clamp_count; ++i )
     {
-        double error = cost->clamps[i].error.value / spp + cost->clamps[i].bias;
+        double error = rf_line_error( &cost->clamps[i].line, spp ).value + cost->clamps[i].bias;
         if ( !takes_light( cost->clamps + i ) || ( best != NULL && !isless( error, *relmse ) ) )
             continue;
         best = cost->clamps + i;
@@ -151,10 +153,12 @@ const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse
     return best;
 }
 
+#define FAR 4.0 // times the samples that were tried: said to be beyond them
+
 // At least two.
 RfCostPrediction rf_predict_samples( const RfCostJob* job, const RfCostCurve* curve, double wanted, int per_sweep )
 {
-    RfCostPrediction p = { .frame_seconds = (double)NAN, .seconds = (double)NAN };
+    RfCostPrediction p = { 0, (double)NAN, (double)NAN, (double)NAN, (double)NAN, 0 };
     if ( !( wanted <= RF_MAX_SPP ) )
         return p;
     RfGroupPlan plan = rf_plan_shots( job->shot.eyes, job->shot.eye_count, curve->group, wanted < 2.0 ? 2 : (int)wanted );
@@ -166,35 +170,73 @@ RfCostPrediction rf_predict_samples( const RfCostJob* job, const RfCostCurve* cu
     }
     p.spp = plan.spp;
     p.frame_seconds = cost_frame_pixels( job ) * plan.spp * curve->sample_seconds + curve->finish_seconds;
-    p.seconds = samples * cost_frame_pixels( job ) * curve->sample_seconds + job->shot.frame_count * curve->finish_seconds;
+    p.seconds = samples * cost_frame_pixels( job ) * curve->sample_seconds * ( curve->alone > 0.0 ? curve->alone : 1.0 ) +
+                job->shot.frame_count * curve->finish_seconds;
+    int most = curve->count > 0 ? curve->rows[curve->count - 1].spp : p.spp;
+    p.tried = p.spp > FAR * most ? most : 0;
+    return p;
+}
+
+// The same with the interval of the samples, and of the seconds that they take.
+static RfCostPrediction predict_interval( const RfCostJob* job, const RfCostCurve* curve, RfInterval samples, int per_sweep )
+{
+    RfCostPrediction p = rf_predict_samples( job, curve, ceil( samples.value ), per_sweep );
+    double less = log( p.frame_seconds / rf_predict_samples( job, curve, ceil( samples.low ), per_sweep ).frame_seconds );
+    double more = log( rf_predict_samples( job, curve, ceil( samples.high ), per_sweep ).frame_seconds / p.frame_seconds );
+    p.low = p.frame_seconds * exp( -hypot( less, curve->time_margin ) );
+    p.high = p.frame_seconds * exp( hypot( more, curve->time_margin ) );
     return p;
 }
 
 RfCostPrediction rf_predict_cost( const RfCostJob* job, const RfCostCurve* curve, double relmse, int per_sweep )
 {
-    return rf_predict_samples( job, curve, ceil( curve->relmse / relmse ), per_sweep );
+    return predict_interval( job, curve, rf_line_samples( &curve->line, relmse ), per_sweep );
 }
 
 RfCostPrediction rf_predict_flicker_cost( const RfCostJob* job, const RfCostCurve* curve, double flicker, int per_sweep )
 {
-    return rf_predict_samples( job, curve, ceil( curve->f1_squared / ( flicker * flicker ) ), per_sweep );
+    RfErrorLine line = curve->line;
+    line.error = rf_log_interval( curve->f1_squared, margin_of( line.error ) );
+    return predict_interval( job, curve, rf_line_samples( &line, flicker * flicker ), per_sweep );
+}
+
+// Seconds of the frames asked for with so many samples, whole passes or not.
+static double equal_seconds( const RfCostJob* job, const RfCostCurve* c, double samples, int per_sweep )
+{
+    double finish = job->shot.frame_count * c->finish_seconds, whole = 2.0 * c->eyes;
+    return finish + ( rf_predict_samples( job, c, whole, per_sweep ).seconds - finish ) * samples / whole;
+}
+
+RfInterval rf_cost_speedup( const RfCostJob* job, const RfCost* cost, double relmse, const int per_sweep[2] )
+{
+    const RfCostCurve* curves[2] = { &cost->plain, &cost->reuse };
+    double seconds[2], square = margin_of( cost->gain ) * margin_of( cost->gain );
+    for ( int k = 0; k < 2; ++k )
+    {
+        const RfErrorLine* line = &curves[k]->line;
+        double samples = rf_line_samples( line, relmse ).value;
+        double slack = ( line->exponent.high / line->exponent.value - 1.0 ) * log( samples / line->samples );
+        seconds[k] = equal_seconds( job, curves[k], samples, per_sweep[k] );
+        square += slack * slack;
+    }
+    return rf_log_interval( seconds[0] / seconds[1], sqrt( square ) );
 }
 
 RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
                                           const RfCostClamp** clamp )
 {
-    double least = cost->reuse.relmse / relmse;
+    RfInterval least = rf_line_samples( &cost->reuse.line, relmse );
     *clamp = NULL;
     for ( int i = 0; i < cost->clamp_count; ++i )
     {
         const RfCostClamp* c = cost->clamps + i;
-        double wanted = c->error.value / ( relmse - c->bias );
-        if ( !takes_light( c ) || !isless( c->bias, relmse ) || !isless( wanted, least ) )
+        RfInterval wanted = rf_line_samples( &c->line, relmse - c->bias );
+        if ( !takes_light( c ) || !isless( c->bias, relmse ) || !isless( wanted.value, least.value ) )
             continue;
         least = wanted;
         *clamp = c;
     }
-    RfCostPrediction p = rf_predict_samples( job, &cost->reuse, ceil( least ), per_sweep );
+    RfCostPrediction p = predict_interval( job, &cost->reuse, least, per_sweep );
     if ( p.spp > 0 && p.spp == rf_predict_cost( job, &cost->reuse, relmse, per_sweep ).spp ) // whole groups need as many
         *clamp = NULL;
     return p;
@@ -248,11 +290,14 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
 // Thresholds that are tried by turns, times the one that was found: it is best for one error, and others ask for others.
 static const double s_clamp_steps[RF_COST_CLAMPS] = { 1.0, 4.0, 0.25, 16.0 };
 
+#define ALL_FRAMES 1      // rounds in which path tracing has the frames of reuse
 #define WANTED_LEVELS 3   // sample counts that the budget is planned for
 #define FEW_PIXELS 4000.0 // traced of a frame: four pieces and what is around them
 #define MIN_PIXELS 1000.0 // one piece
 #define PROBE_PIXELS 1000.0
 #define SLACK 0.9 // of the time left: trials end at different times
+
+static int most_passes( const CostStudy* s ) { return s->first_passes << ( RF_COST_LEVELS - 1 ); }
 
 static RfResult make_regions( CostStudy* s, RfError* error )
 {
@@ -341,18 +386,33 @@ static RfResult begin( CostStudy* s, RfError* error )
     return result;
 }
 
-// Renders all frames of each region one by one, and as one group with reuse.
+// How many times the passes of the round path tracing gets, on as many times fewer frames, towards those that the least error takes:
+// a power of two.
+static int plain_times( CostStudy* s )
+{
+    int times = 1, frames = s->runs.regions->frames;
+    if ( s->round < ALL_FRAMES || !( s->job->least > 0.0 ) )
+        return 1;
+    fit_cost_curve( s, 0, &s->cost->plain );
+    double wanted = rf_line_samples( &s->cost->plain.line, s->job->least ).value;
+    while ( 2 * times <= frames && 2.0 * times * s->passes <= sqrt( 2.0 ) * wanted && times * s->passes < most_passes( s ) )
+        times *= 2;
+    return times;
+}
+
+// Renders all frames of each region one by one, or few of them with more passes, and all as one group with reuse.
 static RfResult run_round( CostStudy* s, RfError* error )
 {
     RfTrialTask tasks[2];
-    for ( int k = 0; k < 2; ++k )
-        tasks[k] = ( RfTrialTask ){ s->settings[k], s->settings[k].group == 0 ? INT_MAX : 1, s->passes };
+    int times = plain_times( s ), frames = s->runs.regions->frames;
+    tasks[0] = ( RfTrialTask ){ s->settings[0], frames / times, times * s->passes };
+    tasks[1] = ( RfTrialTask ){ s->settings[1], s->settings[1].group == 0 ? INT_MAX : 1, s->passes };
     if ( s->job->report != NULL )
         s->job->report( s->job->user, s->cost, s->passes );
     s->runs.first = s->round * RF_COST_POSITIONS + 1;
     RF_TRY( rf_run_trials( &s->runs, tasks, 2, error ) );
     for ( int i = 0; i < 2 * s->cost->positions; ++i )
-        add_trial( s, i % 2, i / 2, s->runs.trials + i );
+        add_trial( s, i % 2, i / 2, tasks[i % 2].passes, s->runs.trials + i );
     s->round += 1;
     s->settings[1].clamp = s->clamp * s_clamp_steps[s->round % RF_COST_CLAMPS];
     return RF_OK;
@@ -361,7 +421,7 @@ static RfResult run_round( CostStudy* s, RfError* error )
 // Runs rounds with twice the passes each as long as there is time, and then as many passes as the rest of it allows.
 static RfResult run_rounds( CostStudy* s, RfError* error )
 {
-    int most = s->first_passes << ( RF_COST_LEVELS - 1 );
+    int most = most_passes( s );
     double each = 0.0; // seconds per pass
     for ( s->passes = s->first_passes; s->round < COST_ROUNDS; )
     {
@@ -379,6 +439,23 @@ static RfResult run_rounds( CostStudy* s, RfError* error )
         s->passes = s->passes < most ? 2 * s->passes : most;
     }
     return RF_OK;
+}
+
+// RfCostCurve.alone, by the fixed costs of rays.
+static double cost_alone( const RfCostJob* job, RfRenderSettings settings )
+{
+    const RfShot* shot = &job->shot;
+    RfHalo halo;
+    settings.spp = 2 * ( 2 * settings.group + 1 );
+    if ( shot->frame_count == shot->eye_count || settings.group == 0 ||
+         rf_plan_halo( shot, &settings, 0.0, &halo, NULL ) != RF_OK )
+        return 1.0;
+    RfGroupPlan plan = rf_plan_shots( shot->eyes, shot->eye_count, settings.group, settings.spp );
+    double whole = 0.0, samples = 0.0, others = 0.0;
+    for ( int i = 0; i < shot->eye_count; ++i )
+        whole += rf_frame_passes( &plan, i );
+    rf_add_group_samples( &plan, shot->frames, 0, shot->frame_count, &samples, &others );
+    return whole * shot->frame_count / shot->eye_count / ( 1.0 - halo.share ) / samples;
 }
 
 static RfResult fail_late( const CostStudy* s, RfError* error )
@@ -409,11 +486,12 @@ RfResult rf_measure_cost( const RfCostJob* job, RfCost* cost, RfError* error )
     for ( int k = 0; k < 2 && s->round > 0; ++k )
         fit_cost_curve( s, k, k == 0 ? &cost->plain : &cost->reuse );
     fit_clamps( s );
-    cost->speedup = rf_trial_gain( s->sums, s->sums + 1 );
+    cost->reuse.alone = cost_alone( job, s->settings[1] );
+    cost->gain = rf_trial_gain( s->sums, s->sums + 1 );
     cost->seconds = rf_wall_seconds() - s->start;
     rf_end_trial_runs( &s->runs );
     free( s );
-    if ( result == RF_OK && !( cost->plain.relmse > 0.0 && cost->reuse.relmse > 0.0 ) )
+    if ( result == RF_OK && !( cost->plain.line.error.value > 0.0 && cost->reuse.line.error.value > 0.0 ) )
         return rf_fail( error, RF_ERROR_SCENE,
                         "the error of the test images cannot be measured: they are black, or have NaN or infinite pixels" );
     return result;

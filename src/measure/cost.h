@@ -1,6 +1,7 @@
 // Measures what accuracy costs in time: a few frames of the path are rendered with increasing sample counts, by path tracing and with
-// reuse, and their errors are measured without a reference (trial.h). The error of an unbiased estimator is proportional to
-// 1 / samples, so all measurements together predict the seconds to any error; their spread gives the confidence interval.
+// reuse, and their errors are measured without a reference (trial.h). A line through their logarithms (RfErrorLine) predicts the
+// seconds to any error; their spread gives the confidence interval. Path tracing is tried with about the samples that the least error
+// wanted takes, on fewer frames, as far as the budget goes.
 #ifndef REFRAME_MEASURE_COST_H
 #define REFRAME_MEASURE_COST_H
 
@@ -18,19 +19,19 @@ typedef struct RfCostCurve
     RfTile tile;
     RfTrialRow rows[RF_COST_LEVELS]; // by sample count: trials at all positions, of a frame of the requested size
     int count;
-    RfInterval slope;      // of log relMSE against log seconds
-    double relmse;         // of a single sample
-    RfInterval error;      // the same with its 95 % interval
-    double f1_squared;     // of a pair of frames with a sample each; NaN: no pixel was measured in two frames
+    RfErrorLine line;
+    double f1_squared;     // of a pair of frames with line.samples each; NaN: no pixel was measured in two frames
     double sample_seconds; // CPU seconds of an own-frame sample, by the threads of the render
     double finish_seconds; // the same for finishing a frame
+    double time_margin;    // 95 %, of the logarithm of sample_seconds
+    double alone; // sample_seconds in the frames asked for, over those in the whole path: hits land in fewer frames; 0: as there
 } RfCostCurve;
 
-// A clamp with reuse: relMSE = error / samples + bias, at the seconds of the curve without one.
+// A clamp with reuse: relMSE = that of the line + bias, at the seconds of the curve without one.
 typedef struct RfCostClamp
 {
     double threshold;
-    RfInterval error; // variance of a single sample, as relMSE
+    RfErrorLine line; // of the variance, as relMSE; its exponent is that of the curve
     double bias;      // squared, as relMSE
     double missing;   // share of the light, 0 to 1
 } RfCostClamp;
@@ -40,7 +41,7 @@ typedef struct RfCost
     RfCostCurve plain, reuse;
     RfCostClamp clamps[RF_COST_CLAMPS]; // that of job->relmse, and some beside it
     int clamp_count;                    // 0 where the estimator has none, or caustics are left out
-    RfInterval speedup;                 // CPU seconds of path tracing over those with reuse, at equal error
+    RfInterval gain;                    // of the errors of all samples tried: CPU seconds of path tracing over those with reuse
     double pixels;                      // traced of each test frame
     int positions;
     double seconds; // spent measuring
@@ -54,6 +55,7 @@ typedef struct RfCostJob
     double budget;                    // seconds; the first round is completed, but for a deadline
     double deadline;                  // rf_wall_seconds() at which all is stopped; 0: none
     double relmse;                    // for which --clamp auto looks for a threshold; 0: no clamps are tried
+    double least;                     // relMSE wanted: path tracing is tried with about as many samples; 0: none
     const RfTrialWatch* watch;        // may be NULL
     void ( *report )( void* user, const RfCost* cost, int spp ); // called before each round; may be NULL
     void* user;
@@ -70,6 +72,8 @@ typedef struct RfCostPrediction
 {
     int spp; // 0: more than a render can have
     double frame_seconds, seconds;
+    double low, high; // frame_seconds, 95 %; NaN where samples were asked for
+    int tried;        // the most samples that were tried, where spp is over four times as many; else 0
 } RfCostPrediction;
 
 // Predicts the cost of reaching `relmse` from a measured curve, that of so many samples, and that of F1 = `flicker`.
@@ -102,12 +106,11 @@ RfCostPrediction rf_predict_denoised_cost( const RfCostJob* job, const RfCostCur
 RfCostPrediction rf_predict_clamped_cost( const RfCostJob* job, const RfCost* cost, double relmse, int per_sweep,
                                           const RfCostClamp** clamp );
 
+// CPU seconds of path tracing over those with reuse, of the frames asked for, with as many samples as this relMSE takes, and parts
+// of them.
+RfInterval rf_cost_speedup( const RfCostJob* job, const RfCost* cost, double relmse, const int per_sweep[2] );
+
 // The clamp with the least relMSE for so many samples, which is set; NULL: there is none that takes out light.
 const RfCostClamp* rf_best_clamp( const RfCost* cost, double spp, double* relmse );
-
-// The slope of log y against log x by unweighted least squares, with Student's t for the
-// scatter about the line. Points that are not above 0 are skipped. Needs at least two points,
-// and three for the interval.
-RfInterval rf_fit_slope( const double* x, const double* y, int count );
 
 #endif

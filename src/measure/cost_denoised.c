@@ -126,6 +126,7 @@ RfCostPrediction rf_predict_denoised_cost( const RfCostJob* job, const RfCostCur
 {
     double wanted = cost->spp * pow( cost->error.relmse / relmse, 1.0 / cost->exponent );
     RfCostPrediction p = rf_predict_samples( job, curve, ceil( fmax( wanted, RF_LEAST_DENOISED_PASSES ) ), per_sweep );
+    p.tried = 0; // of pictures that are not denoised
     p.frame_seconds += cost->seconds;
     p.seconds += job->shot.frame_count * cost->seconds;
     return p;

@@ -268,6 +268,7 @@ static void end_pair( const TrialPair* p )
     double change = change_of( p );
     p->trial->groups += 1;
     p->trial->weight += p->pixels;
+    p->trial->log_passes += p->pixels * log( p->passes );
     p->trial->change_weight += change == change ? p->pixels : 0.0;
     p->trial->change += change == change ? p->passes * p->pixels * change : 0.0;
 }
@@ -527,6 +528,7 @@ void rf_add_weighed_trial( RfTrial* sum, const RfTrial* trial, double weight, in
     sum->clamp.threshold += trial->clamp.threshold;
     sum->clamp.frames += trial->clamp.frames;
     sum->weight += weight * trial->weight;
+    sum->log_passes += weight * trial->log_passes;
     sum->relmse += weight * trial->relmse;
     sum->change_weight += weight * trial->change_weight;
     sum->change += weight * trial->change;
@@ -553,6 +555,8 @@ void rf_add_trial( RfTrial* sum, const RfTrial* trial ) { rf_add_weighed_trial( 
 static double mean( double sum, double count ) { return count > 0.0 ? sum / count : (double)NAN; }
 
 double rf_trial_relmse( const RfTrial* trial, double spp ) { return mean( trial->relmse, trial->weight ) / spp; }
+
+double rf_trial_passes( const RfTrial* trial ) { return exp( mean( trial->log_passes, trial->weight ) ); }
 
 static double mean_change( const RfTrial* trial ) { return mean( trial->change, trial->change_weight ); }
 
@@ -610,6 +614,8 @@ static double time_variance( const RfTrial* trial )
     double variance = trial->time_count > 0 ? trial->time_noise / ( 4.0 * trial->time_count * trial->time_count ) : 0.0;
     return fmax( variance, TIME_NOISE * TIME_NOISE );
 }
+
+double rf_trial_time_margin( const RfTrial* trial ) { return 1.96 * sqrt( time_variance( trial ) ); }
 
 static double tail_margin( const RfTrial* trial )
 {

@@ -4,7 +4,7 @@
 // A segment of 2n+1 frames of the path is rendered as a single group. A frame of a long path is the mean over the 2n+1 groups that
 // contain it, in each of which it has a different position. So the error averaged over the positions within one group, v with P passes,
 // predicts the frame in the middle of a long path: v·P/S with S own-frame samples per pixel, at the same cost per sample. Errors fall a
-// little faster than that (src/reuse/estimators.md, section 24), so it is rather too high than too low. RfPlanRow.samples has the extra
+// little faster than that, by (E28) of src/reuse/estimators.md (RfErrorLine). RfPlanRow.samples has the extra
 // cost of the ends of the path, of several sweeps and of a selection of frames.
 //
 // The group is rendered twice with independent seeds. The variance of the difference d is twice that of the error, whatever tiles and
@@ -98,6 +98,7 @@ typedef struct RfTrial
 {
     int groups;                           // rendered, each twice
     double weight;                        // number of pixels measured
+    double log_passes;                    // logarithm of the passes, times weight
     double samples;                       // own-frame samples traced
     double timed_samples;                 // those within the next time, which excludes set-up
     double cpu_seconds;                   // of all threads
@@ -144,6 +145,9 @@ RfInterval rf_trial_clamped_error( const RfTrial* trial );
 // relMSE of a frame in the middle of a long path with `spp` own-frame samples per pixel.
 double rf_trial_relmse( const RfTrial* trial, double spp );
 
+// Passes with which the errors were found: the geometric mean.
+double rf_trial_passes( const RfTrial* trial );
+
 // Relative F1 of such a frame.
 double rf_trial_f1( const RfTrial* trial, double spp );
 
@@ -152,6 +156,9 @@ double rf_trial_phi( const RfTrial* trial );
 
 // CPU seconds per own-frame sample.
 double rf_trial_sample_seconds( const RfTrial* trial );
+
+// Half the 95 % interval of its logarithm, from what the two renders of each group differ by.
+double rf_trial_time_margin( const RfTrial* trial );
 
 // Bytes held by a test region of `frames` frames of `pixels` pixels each, and by a trial with groups of `eyes` frames, of
 // each of which `pixels` pixels are measured. The memory of rf_render is not included.

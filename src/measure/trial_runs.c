@@ -18,18 +18,92 @@ RfRenderSettings rf_trial_settings( const RfRenderSettings* settings )
     return s;
 }
 
+// Exponents of rooms are 1.0 to 1.3, the most where light is direct; errors of a trial scatter by a sixth.
+#define USUAL_EXPONENT 1.12
+#define EXPONENT_SPREAD 0.08
+#define TRIAL_SPREAD 0.15
+#define SPREAD_FREEDOM 4 // how many deviations TRIAL_SPREAD counts as
+
+static bool is_point( const RfErrorPoint* p ) { return isgreater( p->error, 0.0 ) && isfinite( p->error ) && p->weight > 0.0; }
+
+RfErrorLine rf_fit_error_line( const RfErrorPoint* points, int count, double margin )
+{
+    const RfInterval none = { (double)NAN, (double)NAN, (double)NAN };
+    double prior = TRIAL_SPREAD * TRIAL_SPREAD / ( EXPONENT_SPREAD * EXPONENT_SPREAD );
+    double weight = 0.0, x = 0.0, y = 0.0, xx = prior, xy = -prior * USUAL_EXPONENT;
+    double rest = SPREAD_FREEDOM * TRIAL_SPREAD * TRIAL_SPREAD, freedom = SPREAD_FREEDOM - 1;
+    for ( const RfErrorPoint* p = points; p < points + count; ++p )
+    {
+        double w = is_point( p ) ? p->weight : 0.0;
+        weight += w;
+        x += w > 0.0 ? w * log( p->samples ) : 0.0;
+        y += w > 0.0 ? w * log( p->error ) : 0.0;
+        freedom += w > 0.0;
+    }
+    if ( weight == 0.0 )
+        return ( RfErrorLine ){ (double)NAN, none, none };
+    x /= weight;
+    y /= weight;
+    for ( const RfErrorPoint* p = points; p < points + count; ++p )
+    {
+        double u = is_point( p ) ? log( p->samples ) - x : 0.0;
+        xx += u != 0.0 ? p->weight * u * u : 0.0;
+        xy += u != 0.0 ? p->weight * u * ( log( p->error ) - y ) : 0.0;
+    }
+    double exponent = -xy / xx;
+    rest += prior * ( exponent - USUAL_EXPONENT ) * ( exponent - USUAL_EXPONENT );
+    for ( const RfErrorPoint* p = points; p < points + count; ++p )
+    {
+        double away = is_point( p ) ? log( p->error ) - y + exponent * ( log( p->samples ) - x ) : 0.0;
+        rest += away != 0.0 ? p->weight * away * away : 0.0;
+    }
+    double spread = rf_student_quantile( (int)freedom ) * sqrt( rest / freedom );
+    double slack = fmin( spread / sqrt( xx ), 1.96 * EXPONENT_SPREAD );
+    return ( RfErrorLine ){ exp( x ),
+                            rf_log_interval( exp( y ), sqrt( margin * margin + spread * spread / weight ) ),
+                            { exponent, exponent - slack, exponent + slack } };
+}
+
+RfErrorLine rf_usual_line( double samples, RfInterval error )
+{
+    double slack = 1.96 * EXPONENT_SPREAD;
+    return ( RfErrorLine ){ samples, error, { USUAL_EXPONENT, USUAL_EXPONENT - slack, USUAL_EXPONENT + slack } };
+}
+
+// The margin of the logarithm of an error so far from the middle of the line.
+static double line_margin( const RfErrorLine* line, double way )
+{
+    double slack = ( line->exponent.high - line->exponent.value ) * way, margin = log( line->error.high / line->error.value );
+    return sqrt( margin * margin + slack * slack );
+}
+
+RfInterval rf_line_error( const RfErrorLine* line, double samples )
+{
+    double way = log( samples / line->samples );
+    return rf_log_interval( line->error.value * exp( -line->exponent.value * way ), line_margin( line, way ) );
+}
+
+RfInterval rf_line_samples( const RfErrorLine* line, double error )
+{
+    double way = log( line->error.value / error ) / line->exponent.value;
+    return rf_log_interval( line->samples * exp( way ), line_margin( line, way ) / line->exponent.value );
+}
+
 void rf_predict_trial_row( RfTrialRow* row, double pixels, int frames, double factor )
 {
     static const RfTrial none = { 0 };
     const RfTrial* trial = row->rounds > 0 ? &row->trial : &none;
+    double passes = rf_trial_passes( trial );
     RfInterval error = rf_trial_error( trial );
+    RfErrorLine line = rf_usual_line(
+        passes, ( RfInterval ){ factor * error.value / passes, factor * error.low / passes, factor * error.high / passes } );
     double finish = trial->finish_pixels > 0.0 ? trial->finish_seconds / trial->finish_pixels : 0.0;
     row->cpu_seconds =
         row->samples * rf_trial_sample_seconds( trial ) * exp( row->log_time ) + frames * pixels * fmax( finish, 0.0 );
     row->seconds = row->cpu_seconds / row->fit.threads;
-    row->relmse = rf_trial_relmse( trial, row->spp ) * factor;
-    row->error = ( RfInterval ){ row->relmse, error.low / row->spp * factor, error.high / row->spp * factor };
-    row->f1 = rf_trial_f1( trial, row->spp );
+    row->error = rf_line_error( &line, row->spp );
+    row->relmse = row->error.value;
+    row->f1 = rf_trial_f1( trial, row->spp ) * pow( row->spp / passes, 0.5 * ( 1.0 - line.exponent.value ) );
     row->phi = trial->weight > 0.0 ? rf_trial_phi( trial ) : (double)NAN;
 }
 

@@ -8,6 +8,31 @@
 
 #include <stdatomic.h>
 
+// How errors fall with the samples (estimators.md, E28): what trials with several sample counts say of any other.
+typedef struct RfErrorLine
+{
+    double samples;      // with which the error is known best
+    RfInterval error;    // relMSE with so many
+    RfInterval exponent; // it falls as the samples to the power of -exponent
+} RfErrorLine;
+
+typedef struct RfErrorPoint
+{
+    double samples, error;
+    double weight; // 1: a trial of the fewest samples
+} RfErrorPoint;
+
+// The line through points, whose exponent is drawn towards that of most scenes. `margin` is that of the logarithm of all errors
+// alike, by the places that were tried. Points without an error are left out; NaN where there is no other.
+RfErrorLine rf_fit_error_line( const RfErrorPoint* points, int count, double margin );
+
+// The line through one error, with the exponent of most scenes.
+RfErrorLine rf_usual_line( double samples, RfInterval error );
+
+// The error with so many samples, and the samples that an error takes, with 95 % intervals.
+RfInterval rf_line_error( const RfErrorLine* line, double samples );
+RfInterval rf_line_samples( const RfErrorLine* line, double error );
+
 // A row: a setting, what a render with it takes, and what its trials say. NaN: not known.
 typedef struct RfTrialRow
 {
@@ -34,8 +59,8 @@ typedef struct RfTrialRow
     bool chosen;
 } RfTrialRow;
 
-// Predicts time and error of `frames` frames of `pixels` pixels from the trials of a row, whose errors count `factor` times; NaN where
-// there are none.
+// Predicts time and error of `frames` frames of `pixels` pixels from the trials of a row, whose errors count `factor` times, by
+// rf_usual_line; NaN where there are none.
 void rf_predict_trial_row( RfTrialRow* row, double pixels, int frames, double factor );
 
 // What is tried for a row.

@@ -189,7 +189,9 @@ static void predict_row( const RfTune* tune, RfTrialRow* row, double pixels, int
     rf_predict_trial_row( row, pixels, frames, flicker ? 1.0 : exp( row->log_error ) );
     row->f1 *= flicker ? exp( 0.5 * row->log_error ) : 1.0;
     row->gain = ( RfInterval ){ (double)NAN, (double)NAN, (double)NAN };
-    double cost = ( flicker ? row->f1 * row->f1 : row->relmse ) * row->cpu_seconds;
+    // of the error as tried, since all rows are tried with about the same samples in a frame (rf_tune_passes)
+    double f1 = rf_trial_f1( &row->trial, row->spp ), error = flicker ? f1 * f1 : rf_trial_relmse( &row->trial, row->spp );
+    double cost = error * exp( row->log_error ) * row->cpu_seconds;
     row->efficiency = isgreater( cost, 0.0 ) ? frames / cost : NAN; // the efficiency of a black image is undefined
 }
 

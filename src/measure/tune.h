@@ -27,7 +27,7 @@ typedef struct RfTuneRound
 typedef enum RfTuneGoal
 {
     RF_TUNE_NOISE,   // relMSE
-    RF_TUNE_FLICKER, // F1 squared, which falls as 1 / samples, too
+    RF_TUNE_FLICKER, // F1 squared, which falls as relMSE does
 } RfTuneGoal;
 
 typedef struct RfTune

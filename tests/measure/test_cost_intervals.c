@@ -25,26 +25,43 @@ static double lognormal( uint64_t* state, double s )
     return exp( s * g - 0.5 * s * s );
 }
 
-TEST( test_slope_by_hand )
+TEST( test_line_by_hand )
 {
-    const double x[] = { 1.0, 2.0, 4.0, 8.0, 0.0 }, y[] = { 0.3, 0.15, 0.075, 0.0375, 1.0 };
-    RfInterval s = rf_fit_slope( x, y, 5 ); // the last point is none
-    near( s.value, -1.0, 1e-14 );
-    near( s.low, -1.0, 1e-6 );
-    near( s.high, -1.0, 1e-6 );
-    // log y = 0, −1, −3/2 over log x = 0, 1, 2: slope −3/4; what is left is 1/12, −1/6, 1/12, whose
-    // squares sum to 1/24; one degree of freedom, spread 2: deviation sqrt(1/48), times 12.7062
-    const double u[] = { 1.0, exp( 1.0 ), exp( 2.0 ) }, v[] = { 1.0, exp( -1.0 ), exp( -1.5 ) };
-    s = rf_fit_slope( u, v, 3 );
-    near( s.value, -0.75, 1e-14 );
-    near( s.high - s.value, 12.7062 * sqrt( 1.0 / 48.0 ), 1e-3 );
-    near( s.value - s.low, s.high - s.value, 1e-12 );
-    s = rf_fit_slope( u, v, 2 );
-    near( s.value, -1.0, 1e-14 );
-    assert_true( isnan( s.low ) && isnan( s.high ) );
-    assert_true( isnan( rf_fit_slope( u, v, 1 ).value ) && isnan( rf_fit_slope( u, v, 0 ).value ) );
-    const double same[] = { 2.0, 2.0, 2.0 };
-    assert_true( isnan( rf_fit_slope( same, v, 3 ).value ) );
+    // on a line of the usual exponent, 1.12: the points are in the middle of their logarithms
+    const RfErrorPoint on[] = { { 2.0, 0.3 * pow( 2.0, -1.12 ), 1.0 },
+                                { 4.0, 0.3 * pow( 4.0, -1.12 ), 1.0 },
+                                { 8.0, 0.3 * pow( 8.0, -1.12 ), 1.0 },
+                                { 16.0, 0.0, 1.0 } }; // the last one is none
+    RfErrorLine line = rf_fit_error_line( on, 4, 0.0 );
+    near( line.samples, 4.0, 1e-12 );
+    near( line.exponent.value, 1.12, 1e-12 );
+    near( rf_line_error( &line, 64.0 ).value, 0.3 * pow( 64.0, -1.12 ), 1e-12 );
+    near( rf_line_samples( &line, 0.3 * pow( 64.0, -1.12 ) ).value, 64.0, 1e-9 );
+    // logarithms 0 and 2 of the samples, 0 and -3 of the errors: 3 over 2, drawn to 1.12 with the weight (0.15 / 0.08)^2 = 3.515625; what is
+    // left of the errors, of the prior and of four deviations of 0.15 has five degrees of freedom
+    const RfErrorPoint two[] = { { 1.0, 1.0, 1.0 }, { exp( 2.0 ), exp( -3.0 ), 1.0 } };
+    line = rf_fit_error_line( two, 2, 0.5 );
+    double prior = 3.515625, p = ( 3.0 + prior * 1.12 ) / ( 2.0 + prior );
+    double rest = 4.0 * 0.0225 + prior * ( p - 1.12 ) * ( p - 1.12 ) + 2.0 * ( 1.5 - p ) * ( 1.5 - p );
+    double spread = 2.5706 * sqrt( rest / 5.0 ), margin = sqrt( 0.25 + spread * spread / 2.0 );
+    near( line.exponent.value, p, 1e-12 );
+    near( line.exponent.high - p, fmin( spread / sqrt( 2.0 + prior ), 0.1568 ), 1e-3 );
+    near( line.samples, exp( 1.0 ), 1e-12 );
+    near( line.error.value, exp( -1.5 ), 1e-12 );
+    near( log( line.error.high / line.error.value ), margin, 1e-3 );
+    // three e-foldings on, the exponent's margin counts three times; of the samples all is divided by the exponent
+    double slack = line.exponent.high - p;
+    margin = log( line.error.high / line.error.value );
+    RfInterval far = rf_line_error( &line, exp( 4.0 ) ), samples = rf_line_samples( &line, far.value );
+    near( far.value, exp( -1.5 - 3.0 * p ), 1e-12 );
+    near( log( far.high / far.value ), sqrt( margin * margin + 9.0 * slack * slack ), 1e-12 );
+    near( log( samples.value / samples.low ), log( far.high / far.value ) / p, 1e-12 );
+    // one point has the usual exponent, none has nothing
+    line = rf_fit_error_line( two, 1, 0.0 );
+    near( line.exponent.value, 1.12, 1e-12 );
+    near( line.exponent.high, 1.12 + 0.1568, 1e-12 );
+    line = rf_fit_error_line( on + 3, 1, 0.0 );
+    assert_true( isnan( line.samples ) && isnan( line.error.value ) && isnan( line.exponent.low ) );
 }
 
 // Pieces of given errors, in equal pixels; a sample takes `seconds`.
@@ -102,10 +119,10 @@ TEST( test_intervals_hold_the_truth )
     };
     static RfTrial plain, reuse;
     uint64_t seed = 5;
-    int held = 0, slopes = 0;
+    int held = 0, lines = 0, far = 0;
     for ( int k = 0; k < TRIES; ++k )
     {
-        double seconds[4], errors[4], a[PIECES], b[PIECES];
+        double a[PIECES], b[PIECES];
         for ( int i = 0; i < PIECES; ++i )
         {
             double common = lognormal( &seed, 1.0 );
@@ -116,16 +133,24 @@ TEST( test_intervals_hold_the_truth )
         make_trial( b, PIECES, lognormal( &seed, 0.03 ), &reuse );
         RfInterval s = rf_trial_gain( &plain, &reuse );
         held += s.low <= 5.0 && 5.0 <= s.high;
+        // the exponents of rooms, and errors that scatter
+        RfErrorPoint points[4];
+        double exponent = 1.12 + 0.08 * log( lognormal( &seed, 1.0 ) * exp( 0.5 ) );
         for ( int i = 0; i < 4; ++i )
         {
-            seconds[i] = 2 << i;
-            errors[i] = lognormal( &seed, 0.2 ) / seconds[i];
+            double samples = 2 << i;
+            points[i] =
+                ( RfErrorPoint ){ samples, pow( samples, -exponent ) * lognormal( &seed, 0.15 ) * exp( 0.5 * 0.15 * 0.15 ), 1.0 };
         }
-        RfInterval slope = rf_fit_slope( seconds, errors, 4 );
-        slopes += slope.low <= -1.0 && -1.0 <= slope.high;
+        RfErrorLine line = rf_fit_error_line( points, 4, 0.0 );
+        RfInterval needed = rf_line_samples( &line, pow( 64.0, -exponent ) );
+        lines += line.exponent.low <= exponent && exponent <= line.exponent.high;
+        far += needed.low <= 64.0 && 64.0 <= needed.high;
     }
-    print_message( "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the slope\n", TRIES, 100.0 * held / TRIES,
-                   100.0 * slopes / TRIES );
-    near( (double)slopes / TRIES, 0.95, 0.015 );               // exact in theory; four deviations
+    print_message(
+        "of %d intervals of 95 %%: %.1f %% hold the ratio, %.1f %% the exponent, %.1f %% the samples of four times the most\n",
+        TRIES, 100.0 * held / TRIES, 100.0 * lines / TRIES, 100.0 * far / TRIES );
+    near( (double)lines / TRIES, 0.96, 0.02 );
+    near( (double)far / TRIES, 0.96, 0.02 );
     assert_true( held > 0.90 * TRIES && held < 0.99 * TRIES ); // tails are seen too seldom
 }

@@ -68,6 +68,7 @@ static RfTrial made_trial( double relmse, double seconds )
 {
     return ( RfTrial ){ .groups = 1,
                         .weight = 100.0,
+                        .log_passes = 100.0 * log( 10.0 ), // as rendered
                         .samples = 1000.0,
                         .timed_samples = 500.0,
                         .cpu_seconds = 500.0 * seconds,
@@ -107,6 +108,12 @@ TEST( test_most_efficient_row_is_chosen )
     assert_true( fabs( first->efficiency - 100.0 ) < 1e-6 && first->gain.value == 1.0 ); // 10 frames / ( 0.1 · 1 s )
     assert_true( fabs( first->phi - 0.5 ) < 1e-12 && fabs( first->f1 - sqrt( 2.0 / 6.0 / 10.0 ) ) < 1e-12 );
     assert_true( fabs( tune.rows[3].gain.value - 2.0 ) < 1e-9 );
+    double f1 = first->f1;
+    tune.rows[0].trial.log_passes =
+        100.0 * log( 2.0 ); // then errors fall by the usual exponent; efficiencies compare what was tried
+    rf_predict_tune_rows( &tune, 1000.0, 10 );
+    assert_true( fabs( first->relmse - 0.5 * pow( 5.0, -1.12 ) ) < 1e-12 && fabs( first->efficiency - 100.0 ) < 1e-6 );
+    assert_true( fabs( first->f1 / f1 - pow( 5.0, -0.06 ) ) < 1e-12 );
     for ( int i = 0; i < 3; ++i ) // it was given up early
         tune.rows[i].rounds = 2;
     rf_predict_tune_rows( &tune, 1000.0, 10 );
@@ -133,7 +140,7 @@ TEST( test_least_flicker_is_chosen )
     const RfTrialRow *first = tune.rows, *best = tune.rows + 1;
     assert_true( fabs( first->efficiency - 10.0 / ( first->f1 * first->f1 * first->cpu_seconds ) ) < 1e-6 * first->efficiency );
     assert_true( fabs( best->gain.value - 2.5 ) < 1e-9 && isnan( best->gain.low ) );
-    assert_true( first->relmse == 0.1 && best->f1 < first->f1 );
+    assert_true( fabs( first->relmse - 0.1 ) < 1e-12 && best->f1 < first->f1 );
     tune.goal = RF_TUNE_NOISE;
     rf_predict_tune_rows( &tune, 1000.0, 10 );
     assert_int_equal( tune.chosen, 0 );

@@ -51,7 +51,7 @@ typedef struct NoiseText
 static NoiseText noise_of( const RfCostCurve* c, double relmse )
 {
     NoiseText noise = { "?" };
-    if ( rf_is_known( &c->error ) )
+    if ( rf_is_known( &c->line.error ) )
         rf_format_noise( relmse, noise.text );
     return noise;
 }
@@ -76,8 +76,8 @@ static void print_clamped( const Job* r )
             break;
         rf_format_noise( relmse, noise );
         printf( "%-28s %7d %10.3g %10.3g %8s %10.3g  --clamp %.3g, %.2g %% of the light missing\n", "  clamped", c->rows[i].spp,
-                c->rows[i].seconds, c->rows[i].cpu_seconds, rf_is_known( &clamp->error ) ? noise : "?", relmse, clamp->threshold,
-                100.0 * clamp->missing );
+                c->rows[i].seconds, c->rows[i].cpu_seconds, rf_is_known( &clamp->line.error ) ? noise : "?", relmse,
+                clamp->threshold, 100.0 * clamp->missing );
     }
 }
 
@@ -106,8 +106,9 @@ static void print_denoised( const Job* r, int number, const char* name )
 
 static void print_slope( const RfCostCurve* c, const char* name )
 {
-    if ( isfinite( c->slope.low ) )
-        printf( "%s: relMSE falls as time^%.2f (95 %%: %.2f to %.2f)\n", name, c->slope.value, c->slope.low, c->slope.high );
+    const RfInterval* p = &c->line.exponent;
+    if ( c->count > 1 ) // one says nothing
+        printf( "%s: relMSE falls as samples^%.2f (95 %%: %.2f to %.2f)\n", name, -p->value, -p->high, -p->low );
 }
 
 // The whole render, including the loading of the scene.
@@ -125,11 +126,11 @@ static Goal noise_goal( double relmse ) { return ( Goal ){ "relMSE", relmse, fal
 
 static Goal flicker_goal( double f1 ) { return ( Goal ){ "F1", f1, true }; }
 
-// By the curve of path tracing (0) or with reuse (1), or one in its place.
-static RfCostPrediction predict( const Job* r, Goal goal, int number, const RfCostCurve* c )
+// By path tracing (0) or with reuse (1).
+static RfCostPrediction predict( const Job* r, Goal goal, int number )
 {
-    return goal.is_flicker ? rf_predict_flicker_cost( &r->asked, c, goal.value, r->per_sweep[number] )
-                           : rf_predict_cost( &r->asked, c, goal.value, r->per_sweep[number] );
+    return goal.is_flicker ? rf_predict_flicker_cost( &r->asked, curve_of( r, number ), goal.value, r->per_sweep[number] )
+                           : rf_predict_cost( &r->asked, curve_of( r, number ), goal.value, r->per_sweep[number] );
 }
 
 // What a goal takes: samples and seconds, with `at_least` where the error is known too little, so that this is the lower end.
@@ -140,54 +141,64 @@ typedef struct Price
     const RfCostClamp* clamp; // NULL: none
 } Price;
 
+// What the lower end of the interval takes, where the upper one is over four times as much.
+static Price price_of( const Job* r, int number, RfCostPrediction p, const RfCostClamp* clamp )
+{
+    RfInterval seconds = { p.frame_seconds, p.low, p.high };
+    Price price = { p, isgreater( p.low, 0.0 ) && !rf_is_known( &seconds ), clamp };
+    if ( price.at_least )
+        price.prediction =
+            rf_predict_samples( &r->asked, curve_of( r, number ), ceil( p.spp * p.low / p.frame_seconds ), r->per_sweep[number] );
+    return price;
+}
+
 static Price exact_price( const Job* r, Goal goal, int number )
 {
-    RfCostCurve c = *curve_of( r, number );
-    bool at_least = !rf_is_known( &c.error ) && isfinite( c.error.low );
-    if ( at_least )
-    {
-        c.f1_squared *= c.error.low / c.relmse;
-        c.relmse = c.error.low;
-    }
-    return ( Price ){ predict( r, goal, number, &c ), at_least, NULL };
+    return price_of( r, number, predict( r, goal, number ), NULL );
 }
 
 static Price clamped_price( const Job* r, Goal goal )
 {
-    Price price = { { 0 }, false, NULL };
-    if ( goal.is_flicker )
-        return price;
-    RfCost lower = r->cost;
-    for ( int i = 0; i < lower.clamp_count; ++i )
-    {
-        RfInterval* error = &lower.clamps[i].error;
-        error->value = rf_is_known( error ) || !isfinite( error->low ) ? error->value : error->low;
-    }
-    const RfCostClamp* clamp;
-    price.prediction = rf_predict_clamped_cost( &r->asked, &lower, goal.value, r->per_sweep[1], &clamp );
-    price.clamp = clamp != NULL ? r->cost.clamps + ( clamp - lower.clamps ) : NULL;
-    price.at_least = clamp != NULL && !rf_is_known( &price.clamp->error );
-    return price;
+    const RfCostClamp* clamp = NULL;
+    RfCostPrediction p = { 0 };
+    if ( !goal.is_flicker )
+        p = rf_predict_clamped_cost( &r->asked, &r->cost, goal.value, r->per_sweep[1], &clamp );
+    return price_of( r, 1, p, clamp );
 }
 
-// "94 s a frame, 16 min for all 48 (--spp 28)".
+// Of the error in the middle of those wanted.
+static double main_error( void ) { return s_noise.values[s_noise.count / 2]; }
+
+static RfInterval main_speedup( const Job* r ) { return rf_cost_speedup( &r->asked, &r->cost, main_error(), r->per_sweep ); }
+
+// "94 s a frame (95 %: 81 s to 110 s), 16 min for all 48 (--spp 28)".
 static void print_price( const Job* r, const char* name, Price price )
 {
-    char frame[32], all[32], clamp[32] = "", missing[64] = "";
-    if ( price.prediction.spp == 0 )
+    const RfCostPrediction* p = &price.prediction;
+    char frame[32], all[32], clamp[32] = "", missing[64] = "", interval[80] = "", tried[48] = "";
+    if ( p->spp == 0 )
     {
         printf( "  %-16s more than %d spp, the limit\n", name, RF_MAX_SPP );
         return;
     }
-    rf_format_span( price.prediction.frame_seconds, frame, sizeof frame );
-    rf_format_span( path_seconds( r, price.prediction ), all, sizeof all );
+    rf_format_span( p->frame_seconds, frame, sizeof frame );
+    rf_format_span( path_seconds( r, *p ), all, sizeof all );
     if ( price.clamp != NULL )
     {
         snprintf( clamp, sizeof clamp, " --clamp %.3g", price.clamp->threshold );
         snprintf( missing, sizeof missing, ", %.2g %% of the light missing", 100.0 * price.clamp->missing );
     }
-    printf( "  %-16s %s%s a frame, %s for all %d (--spp %d%s)%s\n", name, price.at_least ? "at least " : "", frame, all,
-            r->asked.shot.frame_count, price.prediction.spp, clamp, missing );
+    if ( isgreater( p->low, 0.0 ) && isfinite( p->high ) )
+    {
+        char low[32], high[32];
+        rf_format_span( p->low, low, sizeof low );
+        rf_format_span( p->high, high, sizeof high );
+        snprintf( interval, sizeof interval, " (95 %%: %s to %s)", low, high );
+    }
+    if ( p->tried > 0 )
+        snprintf( tried, sizeof tried, ", extrapolated from %d spp", p->tried );
+    printf( "  %-16s %s%s a frame%s, %s for all %d (--spp %d%s)%s%s\n", name, price.at_least ? "at least " : "", frame, interval,
+            all, r->asked.shot.frame_count, p->spp, clamp, tried, missing );
 }
 
 // By the denoised picture; nothing where its error is not known.
@@ -212,7 +223,7 @@ static void format_goal( Goal goal, char* text, size_t size )
 
 static void print_goal( const Job* r, Goal goal )
 {
-    char name[64];
+    char name[160];
     format_goal( goal, name, sizeof name );
     printf( "%s:\n", name );
     Price clamped = clamped_price( r, goal );
@@ -226,18 +237,23 @@ static void print_goal( const Job* r, Goal goal )
     print_denoised_price( r, "denoised", goal, 1 );
     print_price( r, "path tracing", exact_price( r, goal, 0 ) );
     print_denoised_price( r, "  denoised", goal, 0 );
+    if ( goal.is_flicker )
+        return;
+    RfInterval speedup = rf_cost_speedup( &r->asked, &r->cost, goal.value, r->per_sweep );
+    rf_format_gain( &speedup, r->cost.seconds, name, sizeof name );
+    printf( "  %-16s %s\n", "reuse", name );
 }
 
 // What reuse is worth, and what the first error asked for takes.
 static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
 {
     const RfCost* cost = &r->cost;
-    char name[64], gain[160];
+    const RfInterval speedup = main_speedup( r );
+    char name[64], gain[160], noise[RF_NOISE_TEXT_SIZE];
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
-    rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
-    snprintf( text, RF_VERDICT_SIZE, "%s: %s", name, gain );
-    if ( s_noise.count == 0 )
-        return;
+    rf_format_gain( &speedup, cost->seconds, gain, sizeof gain );
+    rf_format_noise( main_error(), noise );
+    snprintf( text, RF_VERDICT_SIZE, "%s: %s, of %s", name, gain, noise );
     Goal goal = noise_goal( s_noise.values[0] );
     Price exact = exact_price( r, goal, 1 ), clamped = clamped_price( r, goal );
     char wanted[64], frame[32];
@@ -287,9 +303,14 @@ static void add_rows( json_t* rows, const RfCostCurve* c, bool reuse )
 
 static json_t* prediction_json( const Job* r, RfCostPrediction p )
 {
-    return RF_SET_FIGURES( json_pack( "{s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null() ),
-                           { "frame_seconds", p.frame_seconds }, { "seconds", path_seconds( r, p ) } );
+    return RF_SET_FIGURES( json_pack( "{s:o, s:o}", "spp", p.spp > 0 ? json_integer( p.spp ) : json_null(), "extrapolated_from",
+                                      p.tried > 0 ? json_integer( p.tried ) : json_null() ),
+                           { "frame_seconds", p.frame_seconds }, { "frame_seconds_low", p.low }, { "frame_seconds_high", p.high },
+                           { "seconds", path_seconds( r, p ) } );
 }
+
+// Of one sample, by the line from some number of samples on.
+static double of_one( const RfCostCurve* c, double value ) { return value * pow( c->line.samples, c->line.exponent.value ); }
 
 static json_t* both_json( double plain, double reuse )
 {
@@ -305,9 +326,12 @@ static json_t* goal_json( const Job* r, Goal goal, const char* key )
     {
         clamped = RF_SET_FIGURES( prediction_json( r, p ), { "clamp", clamp->threshold }, { "missing", clamp->missing } );
     }
-    return json_pack( "{s:o, s:f, s:o, s:o}", "clamped", clamped, key, goal.value, "plain",
-                      prediction_json( r, predict( r, goal, 0, &r->cost.plain ) ), "reuse",
-                      prediction_json( r, predict( r, goal, 1, &r->cost.reuse ) ) );
+    json_t* json = json_pack( "{s:o, s:f, s:o, s:o}", "clamped", clamped, key, goal.value, "plain",
+                              prediction_json( r, predict( r, goal, 0 ) ), "reuse", prediction_json( r, predict( r, goal, 1 ) ) );
+    RfInterval speedup = rf_cost_speedup( &r->asked, &r->cost, goal.value, r->per_sweep );
+    return goal.is_flicker ? json
+                           : RF_SET_FIGURES( json, { "speedup", speedup.value }, { "speedup_low", speedup.low },
+                                             { "speedup_high", speedup.high } );
 }
 
 static json_t* denoised_json( const Job* r, int number )
@@ -333,7 +357,7 @@ static json_t* cost_json( const void* user )
 {
     const Job* r = user;
     const RfCost* cost = &r->cost;
-    const RfInterval *reuse = &cost->reuse.slope, *plain = &cost->plain.slope, *speedup = &cost->speedup;
+    const RfInterval *reuse = &cost->reuse.line.exponent, *plain = &cost->plain.line.exponent, speedup = main_speedup( r );
     json_t *rows = json_array(), *wanted = json_array(), *flickers = json_array(), *clamps = json_array();
     char verdict[RF_VERDICT_SIZE];
     add_rows( rows, &cost->plain, false );
@@ -344,21 +368,24 @@ static json_t* cost_json( const void* user )
         json_array_append_new( flickers, goal_json( r, flicker_goal( s_flicker.values[i] ), "f1" ) );
     for ( const RfCostClamp* c = cost->clamps; c < cost->clamps + cost->clamp_count; ++c )
         json_array_append_new( clamps, RF_SET_FIGURES( json_object(), { "clamp", c->threshold },
-                                                       { "relmse_of_one_sample", c->error.value }, { "bias", c->bias },
-                                                       { "missing", c->missing } ) );
+                                                       { "relmse_of_one_sample", rf_line_error( &c->line, 1.0 ).value },
+                                                       { "bias", c->bias }, { "missing", c->missing } ) );
     format_verdict( r, verdict );
     // the scene, so that `report` can refuse what was measured with another one
-    json_t* json = json_pack( "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "verdict", verdict, "scene",
-                              rf_json_text( s_given.render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers,
-                              "clamps", clamps, "relmse_of_one_sample", both_json( cost->plain.relmse, cost->reuse.relmse ),
-                              "f1_squared_of_one_sample", both_json( cost->plain.f1_squared, cost->reuse.f1_squared ), "width",
-                              s_given.render.size.width, "height", s_given.render.size.height, "places", cost->positions,
-                              "frames", r->asked.shot.frame_count );
+    json_t* json = json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:i, s:i, s:i}", "verdict", verdict, "scene",
+        rf_json_text( s_given.render.scene ), "rows", rows, "wanted", wanted, "wanted_flicker", flickers, "clamps", clamps,
+        "relmse_of_one_sample",
+        both_json( of_one( &cost->plain, cost->plain.line.error.value ), of_one( &cost->reuse, cost->reuse.line.error.value ) ),
+        "f1_squared_of_one_sample",
+        both_json( of_one( &cost->plain, cost->plain.f1_squared ), of_one( &cost->reuse, cost->reuse.f1_squared ) ), "width",
+        s_given.render.size.width, "height", s_given.render.size.height, "places", cost->positions, "frames",
+        r->asked.shot.frame_count );
     rf_json_add( json, "{s:[o, o]}", "denoised", denoised_json( r, 0 ), denoised_json( r, 1 ) );
-    return RF_SET_FIGURES( json, { "slope", reuse->value }, { "slope_low", reuse->low }, { "slope_high", reuse->high },
-                           { "slope_plain", plain->value }, { "slope_plain_low", plain->low },
-                           { "slope_plain_high", plain->high }, { "speedup_at_equal_error", speedup->value },
-                           { "speedup_low", speedup->low }, { "speedup_high", speedup->high }, { "pixels", cost->pixels },
+    return RF_SET_FIGURES( json, { "slope", -reuse->value }, { "slope_low", -reuse->high }, { "slope_high", -reuse->low },
+                           { "slope_plain", -plain->value }, { "slope_plain_low", -plain->high },
+                           { "slope_plain_high", -plain->low }, { "speedup_at_equal_error", speedup.value },
+                           { "speedup_low", speedup.low }, { "speedup_high", speedup.high }, { "pixels", cost->pixels },
                            { "seconds", cost->seconds }, { "budget", s_given.budget },
                            { "beyond_depth_share", r->command.beyond_depth } );
 }
@@ -373,26 +400,24 @@ typedef struct Curve
 
 static void draw_curve( const RfCostCurve* c, int style, Curve* curve, RfPlotSeries series[2] )
 {
-    double u = 0.0, v = 0.0;
     for ( int i = 0; i < c->count; ++i )
     {
         curve->x[i] = c->rows[i].seconds;
         curve->y[i] = c->rows[i].relmse;
-        u += log( curve->x[i] ) / c->count;
-        v += log( curve->y[i] ) / c->count;
     }
     series[0] =
         ( RfPlotSeries ){ .name = curve->name, .x = curve->x, .y = curve->y, .count = c->count, .no_line = true, .style = style };
     for ( int k = 0; k < 2; ++k )
     {
-        curve->fit_x[k] = k == 0 ? curve->x[0] : curve->x[c->count - 1];
-        curve->fit_y[k] = exp( v + c->slope.value * ( log( curve->fit_x[k] ) - u ) );
+        int end = k * ( c->count - 1 );
+        curve->fit_x[k] = curve->x[end];
+        curve->fit_y[k] = rf_line_error( &c->line, c->rows[end].spp ).value;
     }
-    snprintf( curve->fit_name, sizeof curve->fit_name, "fit, slope %.2f", c->slope.value );
+    snprintf( curve->fit_name, sizeof curve->fit_name, "error as samples^%.2f", -c->line.exponent.value );
     series[1] = ( RfPlotSeries ){ .name = curve->fit_name,
                                   .x = curve->fit_x,
                                   .y = curve->fit_y,
-                                  .count = isfinite( c->slope.value ) ? 2 : 0,
+                                  .count = c->count > 0 ? 2 : 0,
                                   .dashed = true,
                                   .no_markers = true,
                                   .style = style };
@@ -444,7 +469,8 @@ static RfResult write_cost_plot( const void* user, const char* path, RfError* er
     for ( int k = 0; k < 2; ++k )
         count += draw_denoised( user, k, denoised + k, series + count ) ? 2 : 0;
     char subtitle[512], gain[160];
-    rf_format_gain( &cost->speedup, cost->seconds, gain, sizeof gain );
+    const RfInterval speedup = main_speedup( user );
+    rf_format_gain( &speedup, cost->seconds, gain, sizeof gain );
     snprintf( subtitle, sizeof subtitle, "%.200s, %dx%d; %s", rf_scene_title( &s_given ), s_given.render.size.width,
               s_given.render.size.height, gain );
     RfPlot plot = { .title = "Error against render time",
@@ -564,12 +590,14 @@ static RfResult search( void* user, RfError* error )
 {
     static const RfTrialWatch watch = { rf_may_go_on, NULL };
     Job* job = user;
-    job->load_seconds = rf_wall_seconds() - job->command.start;
+    job->load_seconds = fmin( rf_wall_seconds() - job->command.start, rf_process_seconds() ); // of an idle machine
     job->asked = ( RfCostJob ){
         .shot = job->command.shot, .settings = &s_given.render.settings, .watch = &watch, .report = say, .user = job
     };
-    if ( s_noise.count > 0 )
-        job->asked.relmse = s_noise.values[s_noise.count / 2];
+    job->asked.relmse = main_error();
+    job->asked.least = s_noise.values[0];
+    for ( int i = 1; i < s_noise.count; ++i )
+        job->asked.least = fmin( job->asked.least, s_noise.values[i] );
     double budget = rf_budget_left( &job->command, &job->asked.deadline );
     if ( s_given.render.denoise )
         RF_TRY( rf_open_denoiser( s_given.render.denoiser, s_given.render.settings.threads, &job->denoiser, error ) );
