@@ -594,11 +594,11 @@ def of_image(image):
 
 
 def values(thing):
-    """What a node, a ramp, a curve is set to, as text."""
-    found = []
+    """What a node, a ramp, a curve is set to, as text. Colours and locations of nodes are the editor's."""
+    found, skipped = [], SKIPPED if isinstance(thing, bpy.types.Node) else SKIPPED - {"color", "location"}
     for p in thing.bl_rna.properties:
         name = p.identifier
-        if name in SKIPPED or name.startswith("bl_"):
+        if name in skipped or name.startswith("bl_"):
             continue
         value = getattr(thing, name, None)
         if p.type == "COLLECTION":
