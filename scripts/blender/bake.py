@@ -18,6 +18,7 @@ from . import gloss, shader_tree
 from .channels import (ADDED, DIRECTIONS, LAYER, MEANS, NUMBERS, Ref, STEP, WORDS, coordinates_of, is_constant, is_read, make_textures,
                        means_of)
 from .messages import note, warn
+from .plans import tell_view
 from .shader_tree import SKIPPED
 
 SMALLEST = 128  # pixels across
@@ -270,7 +271,7 @@ def bake_frames(o, part, job, side, cache, result):
 def bake_objects(to_bake, views, folder, is_solid, build):
     """Bakes what the plans of objects ask for; returns the slots (object, number, material) to be set."""
     jobs, cache = sort_jobs(to_bake), Cache(folder)
-    new, made, known = [], {}, {}
+    new, made, known, seen = [], {}, {}, {}
     for i, job in enumerate(jobs):
         start, side = time.monotonic(), views.side(job)
         name = job.objects[0].name
@@ -289,8 +290,12 @@ def bake_objects(to_bake, views, folder, is_solid, build):
             new += [(o, slot, material) for slot, material in materials.items()]
         if result is None:
             continue
+        for plan in job.plans.values():
+            seen.setdefault(plan, []).extend(result["shares"])
         note("baked %d of %d: '%s' at %dx%d: %s: %s" % (i + 1, len(jobs), name, side, side, job.words(),
                                                         "%.1f s" % (time.monotonic() - start) if fresh else "from the cache"))
+    for plan, shares in seen.items():
+        tell_view(plan, min(shares), max(shares))
     cache.tell()
     return new
 
@@ -450,9 +455,14 @@ def wire(plan, kind, image, pin, cosine):
 
 
 def bake_pass(o, plans, kind, size, pin):
-    """What depends on the direction of view is the mean of some."""
-    cosines = gloss.COSINES if kind not in DIRECTIONS and any(depends_on_view(p, kind) for p in plans.values()) else (1.0,)
-    return numpy.mean([bake_seen(o, plans, kind, size, pin, c) for c in cosines], axis=0)
+    """The pixels, and the least and most of what they are in one direction of view: where they depend on it, they are the mean of some."""
+    if kind in DIRECTIONS or not any(depends_on_view(p, kind) for p in plans.values()):
+        return bake_seen(o, plans, kind, size, pin, 1.0), (1.0, 1.0)
+    seen = numpy.array([bake_seen(o, plans, kind, size, pin, c) for c in gloss.COSINES])
+    parts = seen if len(names_of(kind)) > 1 else seen.mean(axis=3)
+    mean = parts.mean(axis=0)
+    shares = numpy.where(mean > STEP, parts, 1.0) / numpy.where(mean > STEP, mean, 1.0)
+    return seen.mean(axis=0), (shares.min(), shares.max())
 
 
 def bake_seen(o, plans, kind, size, pin, cosine):
@@ -525,8 +535,11 @@ def bake_part(o, part, job, size, uvs=None):
     stage = Stage(o, part)
     try:
         result = {"uv": unwrap(stage.o, size) if uvs is None else select_layer(stage.o, uvs)}
+        shares = []
         for kind in job.passes():
-            result[kind] = bake_pass(stage.o, job.plans, kind, size, pin)
+            result[kind], found = bake_pass(stage.o, job.plans, kind, size, pin)
+            shares += found
+        result["shares"] = numpy.array([min(shares), max(shares)])
     finally:
         stage.close()
     return result
@@ -534,7 +547,7 @@ def bake_part(o, part, job, size, uvs=None):
 
 # Bakes kept on disk, by a hash of what they were made from.
 
-VERSION = b"reframe bake 4"
+VERSION = b"reframe bake 5"
 
 
 class Cache:

@@ -229,7 +229,6 @@ def lift(plan):
 
 def channels_tell(plan, bakes):
     """Says what a bake cannot keep, or, without baking, all that is lost."""
-    tree = plan.folder.tree
     for name in sorted(plan.baked | plan.averaged):
         ref = getattr(plan.surface, name)
         if is_constant(ref):
@@ -242,10 +241,21 @@ def channels_tell(plan, bakes):
             plan.tell(named, "%s varies and is not baked (--no-bake): taken as constant" % WORDS[name])
         elif name in plan.averaged:
             plan.tell(named, "%s varies: its mean is taken" % WORDS[name])
-        behind = shader_tree.nodes_behind(tree, list(node.inputs)) + [node]
-        for seen in view_nodes(behind) if bakes else []:
-            plan.tell(seen, "depends on where it is seen from: its mean is taken" if shader_tree.is_by_angle(seen) else
-                      "depends on where it is seen from: taken as seen straight on")
+        for seen in view_nodes(behind(plan, node)) if bakes else []:
+            if not shader_tree.is_by_angle(seen):
+                plan.tell(seen, "depends on where it is seen from: taken as seen straight on")
+
+
+def behind(plan, node):
+    return shader_tree.nodes_behind(plan.folder.tree, list(node.inputs)) + [node]
+
+
+def tell_view(plan, least, most):
+    """Says how far what is seen differs by the angle from the mean, which was baked."""
+    refs = [ref for ref in (getattr(plan.surface, name) for name in sorted(plan.baked | plan.averaged)) if not is_constant(ref)]
+    for node in view_nodes([n for ref in refs for n in behind(plan, plan.folder.nodes[ref.node])]):
+        if shader_tree.is_by_angle(node):
+            plan.tell(node, "depends on where it is seen from: its mean is taken: in Blender %.2g to %.2g times that, by the angle" % (least, most))
 
 
 def named_node(plan, node):

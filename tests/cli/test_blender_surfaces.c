@@ -15,9 +15,11 @@ static const char* export_scene( const char* scene, const char* options )
 BLENDER_TEST( test_what_depends_on_the_angle )
 {
     const char* said = export_scene( "by_angle", "--bake 64" );
-    expect_said( said, "'wall', node 'Layer Weight': depends on where it is seen from: its mean is taken" );
+    expect_said( said, "'wall', node 'Layer Weight': depends on where it is seen from: its mean is taken: in Blender 0.7" );
     expect_said( said, "'lacquer', node 'Mix Shader': a factor of its own for the angle: taken as Schlick's of the same mean" );
     expect_said( said, "'by hand', node 'Geometry': depends on where it is seen from: its mean is taken" );
+    expect_said( said, "'steep', node 'Layer Weight': depends on where it is seen from: its mean is taken: in Blender 0.1" );
+    expect_said( said, "'even', node 'Layer Weight': depends on where it is seen from: its mean is taken: in Blender 0.8" );
     expect_cycles_mean( "by_angle", 0.97, 1.03 );
 }
 

@@ -19,7 +19,7 @@ def ball(material, where, radius=0.5):
 
 
 def by_angle():
-    """Ramps of the angle: of a colour, of a share of gloss, of emission; and the cosine made by hand."""
+    """Ramps of the angle: of a colour, of a share of gloss, of emission; the cosine made by hand; two that differ in colours alone."""
     s = Shader("wall")
     facing = s.add("LayerWeight", Blend=0.5).outputs["Facing"]
     colour = ramp(s, facing, (0.1, (0.3, 0.3, 0.3, 1.0)), (0.9, (0.9, 0.7, 0.5, 1.0)))
@@ -35,6 +35,10 @@ def by_angle():
     geometry = s.add("NewGeometry").outputs
     cosine = s.math("VectorMath", "DOT_PRODUCT", geometry["Normal"], geometry["Incoming"])
     ball(s.done(s.add("BsdfDiffuse", Color=cosine.outputs["Value"])), (1.4, 0.9, -1.4))
+    for name, dark, x in (("steep", 0.02, -0.2), ("even", 0.5, 0.9)):
+        s = Shader(name)
+        facing = s.add("LayerWeight", Blend=0.5).outputs["Facing"]
+        ball(s.done(s.add("BsdfDiffuse", Color=ramp(s, facing, (0.0, grey(dark)), (1.0, grey(0.8))))), (x, -0.2, -1.7), 0.25)
 
 
 def fabrics():
