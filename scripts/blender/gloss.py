@@ -11,6 +11,7 @@ import bpy
 import numpy
 
 from .channels import BLACK, F0_OF_GLTF, Surface, is_constant
+from .versions import IS_4
 
 # of the cosine, which weighs directions of view: of uniform light 1, which surfaces of rooms, that see each other more from the
 # front, exceed. Bases are as bright as in Cycles in the mean of these directions: in uniform light up to 2 % darker.
@@ -311,12 +312,14 @@ def ior_of(f0):
 
 
 def of_rough_diffuse(colour, roughness):
-    """The mean of the improved Oren-Nayar model of Fujii, with the multiple scattering that Cycles adds."""
+    """The mean of the improved Oren-Nayar model of Fujii, with the multiple scattering that Cycles of Blender 4 adds."""
     across = views(1.0)[3]
     sine, angle = numpy.sqrt(1.0 - across * across), numpy.arccos(across)
     a = 1.0 / (math.pi + roughness * (0.5 * math.pi - 2.0 / 3.0))
     g = sine * (angle - 2.0 / 3.0 - sine * across) + 2.0 / 3.0 * sine / across * (1.0 - sine ** 3)
     once = a * math.pi + roughness * a * g
+    if not IS_4:
+        return mean(1.0, colour * once)
     whole = a * math.pi + (2.0 * math.pi - 5.6) / 3.0 * roughness * a
     return mean(1.0, colour * (once + colour * colour * whole * (1.0 - once) / (1.0 - colour * (1.0 - whole))))
 

@@ -214,7 +214,7 @@ BLENDER_TEST( test_surfaces_of_blender_4 )
     static const char* const said[] = {
         "material 'film', node 'Principled BSDF': a thin film: up to 12 % darker",
         "material 'skin', node 'Principled BSDF': subsurface scattering: taken as diffuse",
-        "material 'clay', node 'Principled BSDF': its diffuse roughness (Oren-Nayar): taken as Lambert",
+        "material 'clay', node 'Principled BSDF': its diffuse roughness (Oren-Nayar): taken as Lambert: at most 20 %",
         "material 'bottle', node 'Principled BSDF': glass in part: the rest has no gloss of its own",
         "material 'cloth', node 'Principled BSDF': sheen: as bright as in Blender in even light",
         "material 'satin', node 'Sheen BSDF': sheen: as bright as in Blender in even light",
