@@ -267,7 +267,7 @@ TEST( test_command_says_what_json_says )
     assert_true( json_integer_value( json_object_get( json_object_get( dear, "plain" ), "spp" ) ) >
                  json_integer_value( json_object_get( json_object_get( cheap, "plain" ), "spp" ) ) );
     AUTO_FREE char* table = cli_read( "c.txt", &size );
-    cli_expect_verdict( table, json, "groups of 3 and 3x3 tiles: " );
+    cli_expect_verdict( table, json, "groups of 3 and 3x3 tiles, at " );
     free( text );
     text = cli_read( "c.svg", &size );
     assert_true( size > 500 && strstr( text, "<svg" ) != NULL && strstr( text, "group 1, tile 3x3" ) != NULL );

@@ -253,7 +253,7 @@ static void format_verdict( const Job* r, char text[RF_VERDICT_SIZE] )
     rf_format_reuse( cost->reuse.eyes, &cost->reuse.tile, name, sizeof name );
     rf_format_gain( &speedup, cost->seconds, gain, sizeof gain );
     rf_format_noise( main_error(), noise );
-    snprintf( text, RF_VERDICT_SIZE, "%s: %s, of %s", name, gain, noise );
+    snprintf( text, RF_VERDICT_SIZE, "%s, at %s noise: %s", name, noise, gain );
     Goal goal = noise_goal( s_noise.values[0] );
     Price exact = exact_price( r, goal, 1 ), clamped = clamped_price( r, goal );
     char wanted[64], frame[32];
