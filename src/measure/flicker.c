@@ -81,6 +81,8 @@ void rf_destroy_flicker_frame( RfFlickerFrame* frame )
 
 RfResult rf_take_brightness( RfFlickerFrame* frame, const RfImage* picture, RfError* error )
 {
+    if ( !frame->is_finite ) // nothing is told of it
+        return RF_OK;
     frame->below = malloc( (size_t)picture->width * (size_t)picture->height * sizeof *frame->below );
     if ( frame->below == NULL )
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the brightness of %dx%d pixels", picture->width,

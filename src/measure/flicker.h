@@ -33,7 +33,8 @@ typedef struct RfFlickerFrame
 
 void rf_destroy_flicker_frame( RfFlickerFrame* frame );
 
-// What the errors of a frame are relative to: the brightness of this picture. Fails with RF_ERROR_MEMORY.
+// What the errors of a frame are relative to: the brightness of this picture; nothing where the frame is not finite. Fails with
+// RF_ERROR_MEMORY.
 RfResult rf_take_brightness( RfFlickerFrame* frame, const RfImage* picture, RfError* error );
 
 // The reprojection from a frame to the previous one.

@@ -564,7 +564,7 @@ double rf_trial_f1( const RfTrial* trial, double spp ) { return sqrt( 2.0 * mean
 
 double rf_trial_phi( const RfTrial* trial )
 {
-    return trial->relmse > 0.0 ? 3.0 * mean_change( trial ) * trial->weight / trial->relmse : 0.0;
+    return isgreater( trial->relmse, 0.0 ) ? 3.0 * mean_change( trial ) * trial->weight / trial->relmse : 0.0;
 }
 
 double rf_trial_sample_seconds( const RfTrial* trial ) { return mean( trial->cpu_seconds, trial->timed_samples ); }

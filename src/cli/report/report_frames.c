@@ -434,12 +434,11 @@ static RfResult measure_error( Work* work, RfPageFrame* figures, RfFlickerFrame*
     RfErrorMetrics metrics;
     RF_TRY( rf_measure_frame( &work->errors, work->track->run->count, &frame->signal, reference, &metrics, error ) );
     figures->relmse = metrics.relmse;
-    RF_TRY( rf_take_brightness( frame, reference, error ) );
     size_t count = 3 * (size_t)reference->width * (size_t)reference->height;
     for ( size_t i = 0; i < count; ++i )
         frame->signal.rgb[i] -= reference->rgb[i];
     frame->is_finite = !rf_has_no_error( &metrics );
-    return RF_OK;
+    return rf_take_brightness( frame, reference, error );
 }
 
 // Takes what `render` recorded of the frame, in its JSON or in the file. Times are in no
