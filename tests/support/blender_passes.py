@@ -267,7 +267,7 @@ def check_mattes(ours, theirs, samples):
               name, b.mean(), 100.0 * mean, worst)
 
 
-UNSEEN = ("shader", "object", "Fill", "World")  # which no picture shows; Cycles 5 lists lamps and the world
+UNSEEN = ("shader", "object", "Fill", "World", "(null)")  # which no picture shows; Cycles 5 lists lamps and the world
 
 
 def check_manifests(ours, theirs):
