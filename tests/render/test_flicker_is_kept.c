@@ -213,7 +213,7 @@ TEST( test_wrong_values_are_refused )
 // cost have it in their JSON.
 TEST( test_what_it_takes_is_predicted )
 {
-    cli_expect( cli_measure( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 30%,15% --quiet --json c.json", 1 ),
+    cli_expect( cli_measure( "$R cost " ROOM " --frames 3-6 --size 48x27 --group 1 --flicker 30%,15% --quiet --json c.json", 4 ),
                 0, NULL );
     cli_expect( cli_run( "$R render " ROOM
                          " -o c.####.exr --frames 3-6 --size 48x27 --group 0 --tile 1 --filter box --no-adaptive "
