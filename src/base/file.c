@@ -112,9 +112,10 @@ uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size )
 
 #define EXPORT "export it by blender -b %.300s -P scripts/blender/export.py -- scene.glb"
 
+// In any case of the letters.
 static bool starts_with( const void* bytes, size_t size, const char* magic, size_t length )
 {
-    return size >= length && memcmp( bytes, magic, length ) == 0;
+    return size >= length && strncasecmp( bytes, magic, length ) == 0;
 }
 
 // "shot.blend", and its backups "shot.blend1".

@@ -7,6 +7,7 @@
 
 #include <dlfcn.h>
 #include <glob.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,8 +44,9 @@ enum
 struct RfDenoiser
 {
     void *library, *device;
-    void* filter;      // kept for pictures alike: its memory is large
-    RfOidnImages last; // what it was made for
+    pthread_mutex_t lock; // of what follows: a render judges frames while finished ones are written
+    void* filter;         // kept for pictures alike: its memory is large
+    RfOidnImages last;    // what it was made for
     FUNCTIONS( MEMBER )
     char name[64];
 };
@@ -153,8 +155,11 @@ RfResult rf_open_denoiser( const char* library, int threads, RfDenoiser** denois
 {
     RfDenoiser* d = calloc( 1, sizeof *d );
     *denoiser = NULL;
-    if ( d == NULL )
+    if ( d == NULL || pthread_mutex_init( &d->lock, NULL ) != 0 )
+    {
+        free( d );
         return rf_fail( error, RF_ERROR_MEMORY, "out of memory for the denoiser" );
+    }
     RfResult result = find_library( library, &d->library, error );
     if ( result == RF_OK )
         result = start( d, threads, error );
@@ -173,6 +178,7 @@ void rf_close_denoiser( RfDenoiser* d )
         d->oidnReleaseFilter( d->filter );
     if ( d->device != NULL )
         d->oidnReleaseDevice( d->device );
+    pthread_mutex_destroy( &d->lock );
     free( d ); // the library stays: its threads may still run
 }
 
@@ -204,7 +210,7 @@ static RfResult make_filter( RfDenoiser* d, RfError* error )
     return RF_OK;
 }
 
-RfResult rf_run_oidn( RfDenoiser* d, const RfOidnImages* images, float* clean, RfError* error )
+static RfResult run_filter( RfDenoiser* d, const RfOidnImages* images, float* clean, RfError* error )
 {
     if ( d->filter == NULL || !are_alike( images, &d->last ) )
         RF_TRY( make_filter( d, error ) );
@@ -217,4 +223,12 @@ RfResult rf_run_oidn( RfDenoiser* d, const RfOidnImages* images, float* clean, R
     d->oidnCommitFilter( d->filter );
     d->oidnExecuteFilter( d->filter );
     return check_device( d, error );
+}
+
+RfResult rf_run_oidn( RfDenoiser* d, const RfOidnImages* images, float* clean, RfError* error )
+{
+    pthread_mutex_lock( &d->lock );
+    RfResult result = run_filter( d, images, clean, error );
+    pthread_mutex_unlock( &d->lock );
+    return result;
 }

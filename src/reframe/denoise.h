@@ -16,7 +16,7 @@ typedef struct RfDenoiser RfDenoiser;
 
 // Loads the library: the file `library`, or with NULL that of the environment variable REFRAME_OIDN, else the one that the system has,
 // that scripts/install-packages --denoiser has put into the cache, or that is part of an installed Blender or Python package. It is
-// used on the CPU, by so many threads (0: all cores). Fails with RF_ERROR_UNSUPPORTED where there is none, or one before 2.0.
+// used on the CPU, by so many threads (0: all cores); callers on several threads take turns. Fails with RF_ERROR_UNSUPPORTED where there is none, or one before 2.0.
 RfResult rf_open_denoiser( const char* library, int threads, RfDenoiser** denoiser, RfError* error );
 
 // NULL is ignored.

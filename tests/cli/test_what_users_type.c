@@ -77,7 +77,7 @@ TEST( test_other_files_are_named )
     } cases[] = {
         { "lfs.glb", "version https://git-lfs.github.com/spec/v1\noid", "lfs.glb: is a pointer of git-lfs, not the file: git lfs",
           false },
-        { "web.gltf", "<!DOCTYPE html>\n<html>", "web.gltf: is a page of the web: download the file itself", false },
+        { "web.gltf", "<!doctype html>\n<html>", "web.gltf: is a page of the web: download the file itself", false },
         { "z.glb", "PK\3\4abcd", "z.glb: is a zip archive: unpack it", false },
         { "s.usdz", "PK\3\4abcd", "s.usdz: is USD: export it as glTF", false },
         { "s.usd", "PXR-USDC\1", "s.usd: is USD: export it as glTF", false },

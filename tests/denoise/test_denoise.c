@@ -248,6 +248,31 @@ TEST( test_pixels_that_are_not_finite_stay )
     assert_memory_equal( s_frame.out + 3 * 7000, s_frame.rgb + 3 * 7000, 3 * sizeof( float ) );
 }
 
+// A render judges one frame while another is written.
+TEST( test_two_threads_share_a_denoiser )
+{
+    static float rgb[2][3 * PIXELS], alone[2][3 * PIXELS], together[2][3 * PIXELS];
+    int differ = 0;
+    for ( uint32_t k = 0; k < 2; ++k )
+    {
+        make( 20 + k, 0.3f, 0.5f );
+        memcpy( rgb[k], s_frame.rgb, sizeof rgb[k] );
+    }
+    for ( int i = 0; i < 66; ++i ) // the first two times alone
+    {
+#pragma omp parallel for num_threads( 2 ) schedule( static, 1 ) reduction( + : differ ) if ( i >= 2 )
+        for ( int k = 0; k < 2; ++k )
+        {
+            RfDenoised d;
+            const RfNoisyFrame frame = { .width = WIDTH, .height = HEIGHT, .rgb = rgb[k], .passes = 16.0 };
+            float* out = i < 2 ? alone[k] : together[k];
+            differ += rf_denoise( s_denoiser, &frame, out, &d, NULL, NULL ) != RF_OK;
+            differ += memcmp( out, alone[k], sizeof alone[k] ) != 0;
+        }
+    }
+    assert_int_equal( differ, 0 );
+}
+
 // The mean over frames: its interval is narrower than that of a frame.
 TEST( test_shots_have_an_interval_of_their_own )
 {
