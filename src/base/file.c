@@ -136,9 +136,9 @@ typedef struct Format
 #define MODEL_ADVICE "reframe convert makes a .glb of it"
 
 static const Format s_formats[] = {
-    { "version https://git-lfs", NULL, false, "a pointer of git-lfs, not the file", "git lfs pull gets that" },
-    { "<!DOCTYPE", NULL, false, "a page of the web", "download the file itself" },
-    { "<html", NULL, false, "a page of the web", "download the file itself" },
+    { "version https://git-lfs", NULL, false, "a git-lfs pointer", "git lfs pull gets the file" },
+    { "<!DOCTYPE", NULL, false, "a web page", "download the file itself" },
+    { "<html", NULL, false, "a web page", "download the file itself" },
     { "#usda", NULL, false, "USD", USD_ADVICE },
     { "PXR-USDC", NULL, false, "USD", USD_ADVICE },
     { NULL, ".usdz", false, "USD", USD_ADVICE },

@@ -22,7 +22,7 @@ RfResult rf_read_file( const char* path, uint64_t limit, uint8_t** bytes, size_t
 uint64_t rf_hash_bytes( uint64_t hash, const void* bytes, size_t size );
 
 // Fails with RF_ERROR_UNSUPPORTED, and says what to do, where the first bytes of `path` are those of a .blend or of a compressed file, as
-// Blender writes them too (zstd since 3.0, gzip before), of USD, an archive, a page of the web or a pointer in its place; with
+// Blender writes them too (zstd since 3.0, gzip before), of USD, an archive, a web page or a git-lfs pointer; with
 // `is_model` false also those of a model that `convert` reads, or its ending.
 RfResult rf_refuse_foreign_file( const char* path, const void* bytes, size_t size, bool is_model, RfError* error );
 

@@ -392,7 +392,7 @@ static void load_errors( const Errors* errors, int width, int height, const RfBl
     double all;
     load_block( &( Halves ){ .width = width, .height = height, .film = errors->film, .normalize = errors->normalize }, block,
                 &v );
-    rare_light( &v, columns, block->bottom - block->top, &all ); // of which all counts: nothing is told of the largest alone
+    rare_light( &v, columns, block->bottom - block->top, &all ); // with the largest: a firefly brightens its block, too
     for ( int k = 0; k < count; ++k )
     {
         error_of_pixel( errors->film, errors->normalize, pixel_of_block( block, width, k ), out->error[k] );

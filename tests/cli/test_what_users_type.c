@@ -75,9 +75,9 @@ TEST( test_other_files_are_named )
         const char *name, *bytes, *said;
         bool is_model;
     } cases[] = {
-        { "lfs.glb", "version https://git-lfs.github.com/spec/v1\noid", "lfs.glb: is a pointer of git-lfs, not the file: git lfs",
-          false },
-        { "web.gltf", "<!doctype html>\n<html>", "web.gltf: is a page of the web: download the file itself", false },
+        { "lfs.glb", "version https://git-lfs.github.com/spec/v1\noid",
+          "lfs.glb: is a git-lfs pointer: git lfs pull gets the file", false },
+        { "web.gltf", "<!doctype html>\n<html>", "web.gltf: is a web page: download the file itself", false },
         { "z.glb", "PK\3\4abcd", "z.glb: is a zip archive: unpack it", false },
         { "s.usdz", "PK\3\4abcd", "s.usdz: is USD: export it as glTF", false },
         { "s.usd", "PXR-USDC\1", "s.usd: is USD: export it as glTF", false },
