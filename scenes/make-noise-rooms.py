@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes one of twelve small rooms whose noise is of different kinds, for checks of the error estimate.
+"""Writes one of fourteen small rooms whose noise is of different kinds, for checks of the error estimate and of chosen settings.
 
-  make-noise-rooms.py OUT.glb --room NAME [--frames N]
+  make-noise-rooms.py OUT.glb --room NAME [--seed N] [--frames N]
 
 shelf      a lamp hidden above a shelf, diffuse          crystal    glass balls under a small lamp: caustics
 brushed    the same with rough metals                    lantern    a small lamp inside solid glass: all light is a caustic
@@ -9,12 +9,13 @@ mirrors    mirrors that face a hidden lamp               coats      clear coats 
 spots      spot lights in the dark                       patio      an open yard under an even sky
 checker    black and white checks, one lamp in view      window     a sky that enters through a pane
 corridor   a lamp in the next room                       neon       thin bright tubes over a black floor
-curtain    a curtain lit from behind, a lamp shade
+curtain    a curtain lit from behind, a lamp shade       drawn      lamps, materials and path drawn by --seed
 
 Uses only Python's standard library; the same arguments give the same bytes (with the same zlib).
 """
 
 import math
+import random
 
 import glb
 from glb import lambert, material
@@ -201,17 +202,45 @@ def curtain(gltf):
     add_things(gltf, lambert("chalk", [0.8, 0.8, 0.8]), material("varnish", [0.3, 0.1, 0.08], 0.0, 0.25))
 
 
+def drawn(gltf, draw):
+    def color():
+        return [0.1 + 0.8 * draw() for _ in range(3)]
+
+    def thing(name):
+        metal, kind = 1.0 if draw() < 0.3 else 0.0, draw()
+        return (lambert(name, color()) if kind < 0.5 else material(name, color(), metal, 0.1 + 0.5 * draw()) if kind < 0.8
+                else coated(name, color(), 0.2 * draw()) if kind < 0.9 else glass(name))
+    floor, kind = color(), draw()
+    add_walls(gltf, floor=material("floor", floor, roughness=0.2 + 0.4 * draw()) if kind < 0.3 else lambert("floor", floor))
+    add_things(gltf, thing("left ball"), thing("right ball"), thing("box"))
+    kind, size = draw(), 0.1 + 1.1 * draw() ** 2
+    if kind < 0.3:
+        add_hidden_lamp(gltf, 0.1 + 0.35 * draw())
+    elif kind < 0.8:
+        add_lamp(gltf, "lamp", (2.0 * draw() - 1.0, 2.55, 2.0 * draw() - 1.5), size, 10.0 / size ** 2)
+    for i in range(0 if kind < 0.65 else 1 + int(3.0 * draw())):
+        spot = {"type": "spot", "color": WHITE, "intensity": 5.0 + 15.0 * draw(), "spot": {"innerConeAngle": 0.1, "outerConeAngle": 0.2 + 0.6 * draw()}}
+        gltf.light("spot %d" % (i + 1), spot, (3.0 * draw() - 1.5, 2.5, 2.0 * draw() - 1.5), (2.0 * draw() - 1.0, 0.0, -1.0))
+
+
 ROOMS = {room.__name__: room for room in (shelf, brushed, mirrors, spots, checker, corridor, crystal, lantern, coats, patio,
-                                          window, neon, curtain)}
+                                          window, neon, curtain, drawn)}
 
 
 def main():
     parser = glb.make_parser("Writes a room whose noise is of a certain kind.")
     parser.add_argument("--room", choices=ROOMS, required=True)
+    parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the room drawn (1)")
     arguments = parser.parse_args()
     gltf = glb.Gltf("make-noise-rooms.py", arguments.room)
-    ROOMS[arguments.room](gltf)
     eyes, targets = ((-0.4, 1.3, 2.0), (0.5, 1.25, 1.9)), ((0.0, 0.75, -0.8), (0.0, 0.8, -0.8))
+    if arguments.room == "drawn":
+        draw = random.Random(arguments.seed).random
+        drawn(gltf, draw)
+        eyes = tuple((2.0 * draw() - 1.0, 0.8 + draw(), 2.0 - 0.5 * draw()) for _ in range(2))
+        targets = tuple((draw() - 0.5, 0.5 + 0.5 * draw(), -0.8) for _ in range(2))
+    else:
+        ROOMS[arguments.room](gltf)
     gltf.camera(glb.glide(arguments.frames, eyes, targets), math.radians(50.0))
     glb.save("make-noise-rooms.py", gltf, arguments.out)
 

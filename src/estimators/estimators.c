@@ -31,7 +31,10 @@ const RfEstimator* rf_estimator_at( int index ) { return index >= 0 && index < E
 
 const char* rf_estimator_name( const RfEstimator* estimator ) { return estimator->name; }
 
-RfTile rf_default_tile( const RfEstimator* estimator ) { return estimator->tile; }
+RfTile rf_default_tile( const RfEstimator* estimator )
+{
+    return estimator->count_tiles != NULL ? ( RfTile ){ RF_TILE_AUTO, 1, 1 } : estimator->tile;
+}
 
 RfFilter rf_default_filter( const RfEstimator* estimator )
 {
@@ -44,7 +47,7 @@ RfRenderSettings rf_default_render_settings( void )
         .estimator = s_estimators[0],
         .spp = 28,
         .group = RF_GROUP_AUTO,
-        .tile = s_estimators[0]->tile,
+        .tile = rf_default_tile( s_estimators[0] ),
         .light_paths = RF_LIGHT_PATHS_OFF,
         .kernel_normalization = RF_KERNEL_EXACT,
         .adaptive = RF_ADAPTIVE_AUTO,

@@ -277,7 +277,10 @@ static RfResult resolve_cost_settings( CostStudy* s, RfError* error )
     plain->tile = rf_no_tile();
     RfGroupPlan groups = rf_plan_shots( job->shot.eyes, job->shot.eye_count, reuse->group, 1 );
     reuse->group = groups.eyes / 2;
-    if ( reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE && reuse->estimator == plain->estimator )
+    bool plainly = reuse->group == 0 && reuse->tile.kind == RF_TILE_NONE && reuse->estimator == plain->estimator;
+    if ( plainly && asked.tile.kind == RF_TILE_AUTO ) // path tracing is best here: by how much?
+        reuse->tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
+    else if ( plainly )
         return rf_fail( error, RF_ERROR_USAGE,
                         "group 0 with tile 1 is path tracing, which all is compared with: take a larger group or a tile" );
     share_threads( s );

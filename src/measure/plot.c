@@ -17,7 +17,7 @@ typedef struct PlotScale
     double from, to;
 } PlotScale;
 
-#define RF_PLOT_STYLES 6
+#define RF_PLOT_STYLES 7
 
 #define MARGIN 0.06   // fraction of the range, at either end
 #define LONG_AXIS 3.2 // decades; longer axes have ticks at powers of ten only
@@ -124,7 +124,9 @@ int rf_plot_ticks( bool log, double min, double max, double* ticks, int room )
 #define GRID "#e3e3e3"
 
 // Series differ by their markers as well, not only by colour.
-static const char* const s_colours[RF_PLOT_STYLES] = { "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#555555" };
+static const char* const s_colours[RF_PLOT_STYLES] = {
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#8c6d1f", "#56b4e9", "#555555"
+};
 
 typedef struct Paper
 {
@@ -204,7 +206,7 @@ static void draw_frame( const Paper* p )
     fputs( "</g>\n", p->file );
 }
 
-// A marker, as far as its end tag or its slash: circle, square, triangle, diamond, triangle upside down, cross.
+// A marker, as far as its end tag or its slash: circle, square, triangle, diamond, triangle upside down, triangle to the left, cross.
 static void draw_marker( FILE* file, double x, double y, int style )
 {
     static const char* const paths[RF_PLOT_STYLES] = { NULL,
@@ -212,6 +214,7 @@ static void draw_marker( FILE* file, double x, double y, int style )
                                                        "m0 -5.4l5.4 9.5h-10.8z",
                                                        "m0 -5.9l5.9 5.9 -5.9 5.9 -5.9 -5.9z",
                                                        "m0 5.4l5.4 -9.5h-10.8z",
+                                                       "m-5.4 0l9.5 -5.4v10.8z",
                                                        "m-4.5 -4.5l9 9m0 -9l-9 9" };
     bool cross = style == RF_PLOT_STYLES - 1;
     if ( paths[style] == NULL )

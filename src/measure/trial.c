@@ -341,7 +341,7 @@ static bool pilot_fits( const RfTracer* tracer, const RfTestRegion* region, cons
 // tried may need less memory than that; at worst path tracing, which needs the least.
 static void choose_pilot_settings( const RfTracer* tracer, const RfTestRegion* region, RfRenderSettings* s )
 {
-    RfTile tiles[2] = { rf_default_render_settings().tile, rf_no_tile() };
+    RfTile tiles[2] = { { RF_TILE_BLOCK, 3, 3 }, rf_no_tile() };
     s->estimator = rf_default_render_settings().estimator;
     for ( s->group = region->crops != NULL ? 0 : region->frames / 2;; s->group /= 2 )
     {

@@ -3,6 +3,7 @@
 
 #include "base/remedy.h"
 #include "base/system.h"
+#include "base/try.h"
 #include "reframe/plan.h"
 #include "render/groups.h"
 #include "render/settings.h"
@@ -12,8 +13,10 @@
 #include <string.h>
 
 static const int s_groups[RF_TUNE_GROUPS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
-static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "rooks16" };
-static const char* const s_extended_tiles[RF_TUNE_TILES] = { "1", "2x2", "4x4", "6x6", "8x8" }; // of estimators without groups
+static const char* const s_tiles[RF_TUNE_TILES] = { "1", "2x2", "3x3", "4x4", "6x6", "8x8", "rooks16" };
+static const char* const s_extended_tiles[RF_TUNE_TILES] = {
+    "1", "2x2", "3x3", "4x4", "5x5", "6x6", "8x8"
+}; // of estimators without groups
 
 static const char s_no_room[] = "does not fit in memory", s_rounded[] = "spp would more than double",
                   s_hopeless[] = "predicted to gain less than a smaller group";
@@ -81,8 +84,30 @@ static void drop_hopeless( RfTune* tune, int first )
     }
 }
 
+// What a render takes by itself where it chooses the tile; group −1: it chooses the group alone.
+typedef struct Usual
+{
+    int group;
+    RfTile tile;
+} Usual;
+
+static RfResult find_usual( const RfTuneJob* job, const RfRenderSettings* settings, Usual* usual, RfError* error )
+{
+    RfPlan plan;
+    *usual = ( Usual ){ -1, settings->tile };
+    if ( settings->tile.kind == RF_TILE_AUTO )
+        usual->tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
+    if ( settings->tile.kind != RF_TILE_AUTO )
+        return RF_OK;
+    RfResult result = rf_plan_render( &job->shot, settings, &plan, error );
+    const RfPlanRow* row = plan.rows + plan.chosen;
+    if ( result == RF_OK )
+        *usual = ( Usual ){ row->group, row->tile };
+    return result == RF_ERROR_MEMORY ? RF_OK : result; // then it is said what the rows need
+}
+
 // Lists the rows of a tile; none fits if the smallest group does not.
-static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tune, RfError* error )
+static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, const Usual* usual, RfTune* tune, RfError* error )
 {
     RfRenderSettings settings = *job->settings;
     settings = rf_tune_settings( &( RfTrialRow ){ .tile = *tile }, &settings );
@@ -107,7 +132,8 @@ static RfResult list_tile( const RfTuneJob* job, const RfTile* tile, RfTune* tun
         else
         {
             take_plan( plan.rows + i, row );
-            row->usual = i == plan.chosen && memcmp( tile, &job->settings->tile, sizeof *tile ) == 0;
+            row->usual = ( usual->group < 0 ? i == plan.chosen : row->group == usual->group ) &&
+                         memcmp( tile, &usual->tile, sizeof *tile ) == 0;
             row->excluded = (double)row->spp > ROUNDING * settings.spp && row->group > 0 ? s_rounded : NULL;
         }
         if ( groups.eyes == rf_longest_shot( job->shot.eyes, job->shot.eye_count ) || !rf_has_groups( job->settings->estimator ) )
@@ -133,7 +159,10 @@ static RfResult fail_memory( const RfTuneJob* job, const RfTune* tune, size_t me
 RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings* common, RfError* error )
 {
     RfRenderSettings asked = rf_trial_settings( job->settings );
+    Usual usual;
+    RF_TRY( find_usual( job, &asked, &usual, error ) );
     asked.group = 0; // auto would compute a further plan
+    asked.tile = usual.tile;
     RfResult result = rf_resolve_settings( &job->shot, &asked, common, error );
     common->spp = asked.spp;
     RfRenderSettings listed = *common; // of the render itself, whose memory is said
@@ -151,7 +180,7 @@ RfResult rf_list_tune_rows( const RfTuneJob* job, RfTune* tune, RfRenderSettings
         rf_parse_tile( rf_has_groups( common->estimator ) ? s_tiles[t] : s_extended_tiles[t], &tile );
         RfTuneJob resolved = *job;
         resolved.settings = &listed;
-        result = list_tile( &resolved, &tile, tune, error );
+        result = list_tile( &resolved, &tile, &usual, tune, error );
     }
     for ( int i = 0; i < tune->count; ++i )
         tried += tune->rows[i].excluded == NULL;

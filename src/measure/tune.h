@@ -10,7 +10,7 @@
 #include "measure/trial_runs.h"
 
 #define RF_TUNE_GROUPS 9
-#define RF_TUNE_TILES 5
+#define RF_TUNE_TILES 7
 #define RF_TUNE_ROWS ( RF_TUNE_GROUPS * RF_TUNE_TILES )
 #define RF_TUNE_ROUNDS 4
 
@@ -45,7 +45,7 @@ typedef struct RfTune
 typedef struct RfTuneJob
 {
     RfShot shot;
-    const RfRenderSettings* settings; // the group is ignored, the tile is that of the usual row
+    const RfRenderSettings* settings; // group and tile are those of the usual row
     double budget;                    // seconds; the first round is completed, but for a deadline
     double deadline;                  // rf_wall_seconds() at which all is stopped, for which settings may be left out; 0: none
     RfTuneGoal goal;

@@ -33,13 +33,16 @@ RF_API_BEGIN
 typedef struct RfPlanRow
 {
     int group;       // half-width n, cut to the path
+    RfTile tile;     // that asked for, or with RF_TILE_AUTO the best one for the group
     int eyes;        // in a full group
     int spp;         // as rendered
     RfMemoryFit fit; // `least` alone where it does not fit: then what follows is NaN
     double samples;  // that the frames asked for trace themselves
     double rays_primary, rays_path, rays_shadow, rays_tile, rays_eye; // expected
     double reach;                                                     // samples that land in a pixel for each of its own
-    double gain;                                                      // with fixed costs of rays
+    double error;                                                     // relative variance that a sample per pixel leaves
+    double reuse;         // cost of a sample in another frame, over that of tracing it, with fixed costs of rays
+    double gain;          // over path tracing where the plan chooses the tile, else over groups of one frame
     const char* excluded; // why RF_GROUP_AUTO does not consider it, a string literal; NULL: it does
     bool chosen;
 } RfPlanRow;

@@ -106,6 +106,7 @@ typedef enum RfTileKind
     RF_TILE_NONE,  // no reuse between pixels
     RF_TILE_BLOCK, // width × height neighbours
     RF_TILE_ROOKS, // N pixels of an N × N grid, each row and column used once; N tiles make up the grid
+    RF_TILE_AUTO,  // what the plan chooses (reframe/plan.h), or where there is no choice the estimator's own
 } RfTileKind;
 
 // A set of pixels of one frame that reuse each other's paths.
@@ -118,7 +119,7 @@ typedef struct RfTile
 #define RF_MAX_TILE_PIXELS 64
 #define RF_TILE_NAME_SIZE 24
 
-// "1", "WxH" or "rooksN" with at most RF_MAX_TILE_PIXELS pixels to a tile; false where it is none of
+// "auto", "1", "WxH" or "rooksN" with at most RF_MAX_TILE_PIXELS pixels to a tile; false where it is none of
 // them. Tiles of one pixel are RF_TILE_NONE.
 bool rf_parse_tile( const char* text, RfTile* tile );
 

@@ -79,6 +79,7 @@ typedef struct RfEstimatorSizes
     size_t accumulate_scratch; // workspace of `accumulate`, per thread
     size_t landing;            // what `land` keeps of a batch for a frame; 0: `accumulate` is called instead
     size_t finish_scratch;     // workspace of `finish`; 0: none
+    size_t tile_pilot;         // workspace of `count_tiles`; 0: none
     size_t shared;             // what all batches of a pass share, all zero at first; 0: nothing
     const char* shared_name;   // of that, in the report of memory
     bool splits;               // films have sums of own-frame light (RfFilm.split)
@@ -118,6 +119,31 @@ typedef struct RfReuseCount
     double own_share; // sum over the hits of the share of their weight that their own frame keeps, 0 to 1
     double eye_rays;  // visibility tests traced
 } RfReuseCount;
+
+// How light varies, for the plan: sums over pixels of variances of a sample, relative to the squared brightness around it, without
+// reuse between frames (src/reuse/estimators.md, E29).
+#define RF_TILE_CHOICES 6
+extern const int rf_tile_sides[RF_TILE_CHOICES]; // of the blocks that are weighed: 1 to 8 pixels
+// By size, since a few that are large tell little: from 2^(k + RF_FIRST_TILE_OCTAVE) on, and below in the first.
+#define RF_TILE_OCTAVES 32
+#define RF_FIRST_TILE_OCTAVE ( -8 )
+typedef struct RfTileCount
+{
+    double connected[RF_TILE_CHOICES]; // second vertices that other hits of these tiles see
+    double pixels;
+    double light_sample; // what a light sample less at first hits adds
+    struct
+    {
+        double pixels;
+        double own;    // of light that no other frame has
+        double shared; // of all other light, with the tile traced
+    } pairs[RF_TILE_OCTAVES];
+    struct
+    {
+        double paths;
+        double moment[RF_TILE_CHOICES]; // the part that paths bring, in these tiles
+    } paths[RF_TILE_OCTAVES];
+} RfTileCount;
 
 // The picture that is made of a frame's films.
 typedef struct RfPicture
@@ -205,6 +231,10 @@ struct RfEstimator
     // Counts for the plan; NULL where frames share nothing. Adds what a batch that was traced for its own
     // frame alone (where something moves, for the first hits of `group`) would find in `group`, where that frame has index `eye`.
     void ( *count_reuse )( const RfEstimatorGroup* group, int eye, void* batch, void* scratch, RfReuseCount* count );
+
+    // For the choice of a tile; NULL: the tile is `tile` unless another is asked for. Is given pairs of batches of the same pixels,
+    // each traced for a group of one frame with the largest tile that is looked at: of the first of them `count` is NULL.
+    void ( *count_tiles )( const RfEstimatorGroup* group, void* batch, void* scratch, void* pilot, RfTileCount* count );
 };
 
 #define RF_MAX_FILMS 8

@@ -204,3 +204,14 @@ void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first
         done = last + 1 > done ? last + 1 : done;
     }
 }
+
+double rf_plan_work( const RfGroupPlan* plan, double own, double reuse )
+{
+    double work = 0.0;
+    for ( int g = 0; g < plan->groups; ++g )
+    {
+        RfGroup group = rf_group( plan, g );
+        work += (double)group.passes * group.eyes * ( own + ( group.eyes - 1 ) * reuse );
+    }
+    return work;
+}

@@ -80,4 +80,8 @@ void rf_add_group_samples( const RfGroupPlan* plan, const int* frames, int first
 // differ by one pass at most and both see every group of two passes or more.
 static inline int rf_half_of_pass( const RfGroup* group, int pass ) { return (int)( ( group->passes_before + pass ) & 1 ); }
 
+// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other camera of its group:
+// Σ passes · eyes · (own + (eyes − 1) · reuse).
+double rf_plan_work( const RfGroupPlan* plan, double own, double reuse );
+
 #endif

@@ -13,18 +13,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Never a matter of which frames are asked for.
-static RfResult choose_group( const RfShot* shot, RfRenderSettings* settings, RfError* error )
+// Group and tile, where they are to be chosen: never a matter of which frames are asked for.
+static RfResult choose( const RfShot* shot, const RfRenderSettings* asked, RfRenderSettings* settings, RfError* error )
 {
-    if ( settings->group != RF_GROUP_AUTO )
+    bool group = settings->group == RF_GROUP_AUTO,
+         tile = asked->tile.kind == RF_TILE_AUTO && settings->estimator->count_tiles != NULL;
+    if ( !group && !tile )
         return RF_OK;
     RfShot first = { shot->tracer, shot->eyes, shot->eye_count, &( int ){ 0 }, 1 };
     RfPlan plan;
-    RfResult result = rf_plan_render( &first, settings, &plan, error );
-    if ( result != RF_OK )
+    RfResult result =
+        group ? rf_plan_render( &first, asked, &plan, error ) : rf_plan_group( &first, asked, settings->group, &plan, error );
+    if ( result != RF_OK && ( group || result != RF_ERROR_MEMORY ) )
         return result;
-    settings->group = plan.rows[plan.chosen].group;
-    settings->adaptive = plan.adaptive;
+    const RfPlanRow* row = plan.rows + ( group || plan.count == 0 ? plan.chosen : plan.count - 1 );
+    if ( group )
+    {
+        settings->group = row->group;
+        settings->adaptive = plan.adaptive;
+    }
+    if ( tile ) // the least memory is wanted where the group does not fit
+        settings->tile = result == RF_OK && rf_plan_row_fits( row ) ? row->tile : ( RfTile ){ RF_TILE_NONE, 1, 1 };
     return RF_OK;
 }
 
@@ -34,7 +43,7 @@ RfResult rf_resolve_settings( const RfShot* shot, const RfRenderSettings* settin
     if ( result == RF_OK )
         result = rf_check_built( shot, resolved, error );
     if ( result == RF_OK )
-        result = choose_group( shot, resolved, error );
+        result = choose( shot, settings, resolved, error );
     if ( result != RF_OK )
         return result;
     RfGroupPlan plan = rf_plan_samples( shot, resolved->group, settings->spp );

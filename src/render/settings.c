@@ -250,6 +250,8 @@ RfResult rf_resolve_common( const RfShot* shot, const RfRenderSettings* settings
     const RfEstimator* given = settings->estimator;
     if ( given != NULL && given->other_weights != NULL && given->biased != ( settings->weights != RF_WEIGHTS_EXACT ) )
         resolved->estimator = given->other_weights;
+    if ( resolved->tile.kind == RF_TILE_AUTO )
+        resolved->tile = resolved->estimator->tile;
     RfResult result = check_settings( resolved, error );
     if ( result == RF_OK )
         result = check_estimator( resolved, error );

@@ -3,6 +3,7 @@
 #define REFRAME_RENDER_SETTINGS_H
 
 #include "base/built_in.h"
+#include "reframe/plan.h"
 #include "reframe/render.h"
 #include "render/groups.h"
 
@@ -27,5 +28,8 @@ int rf_usual_passes( const RfRenderSettings* settings );
 
 // The groups of a render with so many samples, of no more than RF_MAX_SPP where that is possible.
 RfGroupPlan rf_plan_samples( const RfShot* shot, int half_width, int spp );
+
+// rf_plan_render with two rows at most: that of single frames, and of a group that is asked for.
+RfResult rf_plan_group( const RfShot* shot, const RfRenderSettings* settings, int group, RfPlan* plan, RfError* error );
 
 #endif

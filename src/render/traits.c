@@ -283,6 +283,7 @@ static int tile_pixels( const RfTile* tile )
     {
         case RF_TILE_BLOCK: return tile->width * tile->height;
         case RF_TILE_ROOKS: return tile->width;
+        case RF_TILE_AUTO: return RF_MAX_TILE_PIXELS;
         default: return 1;
     }
 }
@@ -338,13 +339,17 @@ static void set_reuse( const Source* from )
 {
     const RfRenderSettings* s = from->settings;
     char tile[RF_TILE_NAME_SIZE];
-    bool tiles = tile_pixels( &s->tile ) > 1, groups = s->group != 0 && from->eye_count != 1;
+    bool chosen = s->tile.kind == RF_TILE_AUTO, tiles = chosen || tile_pixels( &s->tile ) > 1,
+         groups = s->group != 0 && from->eye_count != 1;
     rf_tile_name( &s->tile, tile );
     if ( s->group == RF_GROUP_AUTO && groups )
         set( from, RF_EFFECT_FRAME_GROUPS, true, "of the size that the plan chooses" );
     else
         set( from, RF_EFFECT_FRAME_GROUPS, groups, groups ? "of up to %d frames" : "no frame reuse", 2 * s->group + 1 );
-    set( from, RF_EFFECT_TILE_CONNECTIONS, tiles, tiles ? "tiles of %s pixels" : "no tiles", tile );
+    if ( chosen )
+        set( from, RF_EFFECT_TILE_CONNECTIONS, true, "of the size that the plan chooses" );
+    else
+        set( from, RF_EFFECT_TILE_CONNECTIONS, tiles, tiles ? "tiles of %s pixels" : "no tiles", tile );
     bool adaptive = s->adaptive == RF_ADAPTIVE_ON || ( s->adaptive == RF_ADAPTIVE_AUTO && groups );
     set( from, RF_EFFECT_ADAPTIVE, adaptive, "%s",
          s->adaptive == RF_ADAPTIVE_ON ? "on in the settings"

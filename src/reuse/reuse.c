@@ -8,6 +8,7 @@
 #include "reuse/harvest/glints.h"
 #include "reuse/harvest/camera_rays.h"
 #include "reuse/harvest/visibility.h"
+#include "reuse/tile_pilot.h"
 
 static RfResult check( const RfRenderSettings* s, RfError* error )
 {
@@ -43,12 +44,13 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
     rf_compile_reuse( group, false, &plan );
     const RfBatchShape* shape = &plan.shape;
     RfBatchShape diffuse = *shape;
-    RfLayout scratch = { 0 }, shared = { 0 }, accumulation = { 0 }, landing = { 0 };
+    RfLayout scratch = { 0 }, shared = { 0 }, accumulation = { 0 }, landing = { 0 }, tile_pilot = { 0 };
     RfPilot* pilot;
     diffuse.params = 0;
     rf_place_harvest_scratch( shape, &scratch );
     rf_place_accumulation( &plan, &accumulation );
     rf_place_landing( &plan, &landing );
+    rf_place_tile_pilot( &plan, &tile_pilot );
     if ( shape->connections )
         place_shared( group, shape, &shared, &pilot );
     return ( RfEstimatorSizes ){
@@ -58,6 +60,7 @@ static RfEstimatorSizes sizes( const RfEstimatorGroup* group )
         .trace_scratch = scratch.bytes,
         .accumulate_scratch = accumulation.bytes,
         .landing = landing.bytes,
+        .tile_pilot = tile_pilot.bytes,
         .shared = shared.bytes,
         .shared_name = "light paths",
         .splits = shape->own_light && !shape->caustics,
@@ -188,6 +191,17 @@ static void count_reuse( const RfEstimatorGroup* group, int eye, void* batch_mem
     count->eye_rays += (double)rays.eye;
 }
 
+const int rf_tile_sides[RF_TILE_CHOICES] = { 1, 2, 3, 4, 6, 8 };
+
+static void count_tiles( const RfEstimatorGroup* group, void* batch, void* scratch, void* memory, RfTileCount* count )
+{
+    RfTilePilot* pilot = rf_place_tile_pilot( rf_reuse_plan( group ), &( RfLayout ){ .memory = memory } );
+    if ( count == NULL )
+        rf_begin_tile_pair( group, batch, scratch, pilot );
+    else
+        rf_end_tile_pair( group, batch, scratch, pilot, count );
+}
+
 const RfEstimator rf_reuse_estimator = {
     .name = "reuse",
     .films = 1,
@@ -215,4 +229,5 @@ const RfEstimator rf_reuse_estimator = {
     .count_samples = count_samples,
     .add_glints = add_glints,
     .count_reuse = count_reuse,
+    .count_tiles = count_tiles,
 };

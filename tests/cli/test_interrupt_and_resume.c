@@ -201,8 +201,8 @@ TEST( test_killed_render_goes_on )
 TEST( test_closed_pipes_and_hang_ups )
 {
     const CliResult* result = cli_run(
-        "mkfifo go; ( read x < go; $R render $VASE -o p/f.####.exr --frames 1-48 --size 48x27 --spp 64 --group 0 --threads 1 "
-        "2>&1; "
+        "mkfifo go; ( read x < go; $R render $VASE -o p/f.####.exr --frames 1-48 --size 48x27 --spp 64 --group 0 --tile 3x3 "
+        "--threads 1 2>&1; "
         "echo $? > status ) | ( exec < /dev/null; echo > go ); until test -s status; do sleep 0.01; done; cat status" );
     assert_string_equal( result->out, "130\n" );
     char films[64];
@@ -347,15 +347,17 @@ TEST( test_resume_names_what_differs )
 {
     static const char start[] = "reframe render: --resume: d/f.0002.exr: is of another render, of ";
     static const char* const cases[][2] = {
-        { "--spp 4 --group 0 --size 16x9", "--spp 2 (here 4): give the same" },
-        { "--spp 2 --group 0 --size 24x9 --seed 3", "--seed 1 (here 3), --size 16x9 (here 24x9): give the same" },
-        { "--spp 2 --group 0 --size 16x9 --noise 0.5 --aov depth", "--noise 0 (here 0.5), --aov none (here depth): give" },
+        { "--spp 4 --group 0 --tile 3x3 --size 16x9", "--spp 2 (here 4): give the same" },
+        { "--spp 2 --group 0 --tile 3x3 --size 24x9 --seed 3", "--seed 1 (here 3), --size 16x9 (here 24x9): give the same" },
+        { "--spp 2 --group 0 --tile 3x3 --size 16x9 --noise 0.5 --aov depth",
+          "--noise 0 (here 0.5), --aov none (here depth): give" },
         { "--spp 2 --group 0 --size 16x9 --adaptive --tile 2x2", "--tile 3x3 (here 2x2), --adaptive off (here on): give" },
-        { "--spp 2 --group 0 --size 16x9 --compression dwaa:30 --parts each --float",
+        { "--spp 2 --group 0 --tile 3x3 --size 16x9 --compression dwaa:30 --parts each --float",
           "--compression zip (here dwaa:30), --parts one (here each), --float no (here yes): give the same" },
-        { "--spp 2 --group 0 --size 16x9 --fps 12", "frames in the path 48 (here 24): give the same" },
+        { "--spp 2 --group 0 --tile 3x3 --size 16x9 --fps 12", "frames in the path 48 (here 24): give the same" },
     };
-    cli_expect( cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --size 16x9 --spp 2 --group 0 --quiet" ), 0, NULL );
+    cli_expect( cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --size 16x9 --spp 2 --group 0 --tile 3x3 --quiet" ), 0,
+                NULL );
     for ( size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i )
     {
         const CliResult* result = cli_run( "$R render $VASE -o d/f.####.exr --frames 2 --quiet --resume %s", cases[i][0] );
@@ -363,18 +365,19 @@ TEST( test_resume_names_what_differs )
         assert_int_equal( strncmp( result->err, start, strlen( start ) ), 0 );
     }
     cli_expect( cli_run( "cp d/f.0002.exr d/f.0003.exr; $R render $VASE -o d/f.####.exr --frames 3 --quiet --resume --size 16x9 "
-                         "--spp 2 --group 0" ),
+                         "--spp 2 --group 0 --tile 3x3" ),
                 1, "is of another render, of frame 2 (here 3): give" );
     cli_write( "other.json", "", 0 );
-    cli_expect( cli_run( "echo '{\"scene\":\"'$VASE'\",\"materials\":{\"vase\":{\"exponent\":9}}}' > other.json; "
-                         "$R render other.json -o d/f.####.exr --frames 2 --quiet --resume --size 16x9 --spp 2 --group 0" ),
-                1, "with these settings, but from another scene or camera path" );
+    cli_expect(
+        cli_run( "echo '{\"scene\":\"'$VASE'\",\"materials\":{\"vase\":{\"exponent\":9}}}' > other.json; "
+                 "$R render other.json -o d/f.####.exr --frames 2 --quiet --resume --size 16x9 --spp 2 --group 0 --tile 3x3" ),
+        1, "with these settings, but from another scene or camera path" );
 }
 
 // Off a terminal: a line for each frame, with the time spent, the estimate, and the samples, traced and effective.
 TEST( test_a_line_for_each_frame )
 {
-    const CliResult* result = cli_run( "$R render $VASE -o l.exr --frames 3 --size 16x9 --spp 2 --group 0" );
+    const CliResult* result = cli_run( "$R render $VASE -o l.exr --frames 3 --size 16x9 --spp 2 --group 0 --tile 3x3" );
     cli_expect( result, 0, "frame 1/1  number 3  " );
     const char* spent = strstr( result->err, " spent  " );
     assert_true( spent != NULL && strstr( spent, " (relMSE " ) != NULL );

@@ -237,10 +237,11 @@ TEST( test_clamps_are_tried )
 TEST( test_command_says_what_json_says )
 {
     cli_enter();
-    cli_expect( cli_measure( "$R cost $VASE --size 40x30 --group 1 --noise 12.91%,0.5 --frames 5-9 --quiet --json c.json "
-                             "--svg c.svg > c.txt",
-                             4 ),
-                0, NULL );
+    cli_expect(
+        cli_measure( "$R cost $VASE --size 40x30 --group 1 --tile 3x3 --noise 12.91%,0.5 --frames 5-9 --quiet --json c.json "
+                     "--svg c.svg > c.txt",
+                     4 ),
+        0, NULL );
     size_t size;
     char* text = cli_read( "c.json", &size );
     json_error_t fault;

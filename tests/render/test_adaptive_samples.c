@@ -28,6 +28,7 @@ static RfRenderSettings adaptive_settings( void )
     RfRenderSettings settings = rf_default_render_settings();
     settings.filter = RF_FILTER_BOX;
     settings.group = 2;
+    settings.tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
     settings.spp = RF_LEAST_GLINT_SPP;
     settings.adaptive = RF_ADAPTIVE_ON;
     return settings;

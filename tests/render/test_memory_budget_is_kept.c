@@ -127,12 +127,13 @@ static const struct
     const char *scene, *options;
     bool large; // for the bytes alone
 } s_cases[] = {
-    { "vase-room", "--group 1 --frames 20 --size 240x180 --spp 3 --threads 2", false },
+    { "vase-room", "--group 1 --tile 3x3 --frames 20 --size 240x180 --spp 3 --threads 2", false },
     { "vase-room-ggx",
-      "--group 2 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples", false },
+      "--group 2 --tile 3x3 --frames 1 --size 160x120 --spp 5 --threads 24 --aov albedo,normal,depth,motion,variance,samples",
+      false },
     { "still-life", "--group 1 --frames 1-2 --size 96x72 --spp 3 --threads 4 --tile rooks64 --light-samples 4", false },
     { "turntable", "--group 1 --frames 1-2 --size 160x120 --spp 3 --threads 3 --tile 1 --aov depth", false },
-    { "still-life", "--group 2 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive", false },
+    { "still-life", "--group 2 --tile 3x3 --frames 3-5 --size 120x90 --spp 5 --threads 3 --adaptive", false },
     { "vase-room-phong", "--group 1 --frames 1 --size 96x72 --spp 3 --threads 2 --tile 1 --weights eq15", false },
     // films of 135 MiB, and images whose files are written in chunks of 14 MiB
     { "vase-room", "--group 0 --frames 1 --size 2304x1536 --spp 1 --max-depth 1 --threads 1 --tile 1", true },

@@ -602,7 +602,7 @@ RfResult rf_parse_tile_option( RfRenderOptions* options, RfError* error )
     if ( rf_parse_tile( options->tile, &options->settings.tile ) )
         return RF_OK;
     return rf_fail( error, RF_ERROR_USAGE,
-                    "--tile: expected 1, WxH such as 3x3, or rooksN such as rooks16, of at most %d pixels, got '%s'",
+                    "--tile: expected auto, 1, WxH such as 3x3, or rooksN such as rooks16, of at most %d pixels, got '%s'",
                     RF_MAX_TILE_PIXELS, options->tile );
 }
 

@@ -115,9 +115,10 @@ extern RfDefaultTexts rf_default_texts;
                    .keyword = "auto", .keyword_value = RF_GROUP_AUTO, .heading = RF_HEADING_PERFORMANCE )
 
 #define RF_TILE_OPTION( o )                                                                                                      \
-    RF_TEXT_OPTION( "tile", &( o ).tile, "WxH|rooksN|1",                                                                         \
-                    "pixels of a frame that share paths: a block, an N-rooks pattern, or 1 for none", .in_file = true,           \
-                    .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE )
+    RF_TEXT_OPTION(                                                                                                              \
+        "tile", &( o ).tile, "auto|WxH|rooksN|1",                                                                                \
+        "pixels of a frame that share paths: a block, an N-rooks pattern, or 1 for none; auto: what pays for this path",         \
+        .in_file = true, .default_text = rf_default_texts.tile, .heading = RF_HEADING_PERFORMANCE )
 
 #define RF_MACHINE_OPTIONS( o, threads_help )                                                                                    \
     RF_MEMORY_OPTION( "memory", &( o ).settings.memory, RF_MIN_BUDGET, "SIZE",                                                   \

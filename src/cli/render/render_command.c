@@ -206,8 +206,15 @@ static void print_settings( const RfRenderSettings* asked, const RfRenderSetting
                             const RfCameraPath* path )
 {
     RfGroupPlan plan = rf_plan_shots( path->runs, path->run_count, used->group, used->spp );
-    if ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) )
+    char tile[RF_TILE_NAME_SIZE];
+    bool group = asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ), chosen = asked->tile.kind == RF_TILE_AUTO;
+    rf_tile_name( &used->tile, tile );
+    if ( group && chosen )
+        fprintf( stderr, "reframe render: --group auto is %d and --tile auto %s here, see reframe tune\n", used->group, tile );
+    else if ( group )
         fprintf( stderr, "reframe render: --group auto is %d here, see reframe tune\n", used->group );
+    else if ( chosen )
+        fprintf( stderr, "reframe render: --tile auto is %s here, see reframe tune\n", tile );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the %s: groups of its %d frames\n", asked->group,
                  plan.cameras != NULL ? "longest shot" : "path", plan.eyes );

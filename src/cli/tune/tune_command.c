@@ -146,7 +146,9 @@ static void print_group( const RfPlanRow* row )
 {
     char sweeps[32] = "", text[128];
     const char* excluded = format_excluded( row->excluded, &row->fit, text, sizeof text );
-    printf( "%c%5d %7d %5d", row->chosen ? '*' : ' ', row->group, row->eyes, row->spp );
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &row->tile, tile );
+    printf( "%c%5d %7d %5s %5d", row->chosen ? '*' : ' ', row->group, row->eyes, tile, row->spp );
     if ( !rf_plan_row_fits( row ) )
     {
         printf( "  %s\n", excluded );
@@ -161,22 +163,20 @@ static void print_group( const RfPlanRow* row )
 
 static void print_groups( const Job* r )
 {
-    char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &s_given.render.settings.tile, tile );
+    const RfRenderSettings* settings = &s_given.render.settings;
+    bool groups = rf_has_groups( settings->estimator ), tiles = settings->tile.kind == RF_TILE_AUTO;
     if ( r->plan.count == 0 )
         return;
-    printf( "%6s %7s %5s %9s %8s %8s %8s %7s %6s %6s\n", "group", "cameras", "spp", "MiB", "films", "hits", "work", "chunks",
-            "reach", "gain" );
+    printf( "%6s %7s %5s %5s %9s %8s %8s %8s %7s %6s %6s\n", "group", "cameras", "tile", "spp", "MiB", "films", "hits", "work",
+            "chunks", "reach", "gain" );
     for ( int i = 0; i < r->plan.count; ++i )
         print_group( r->plan.rows + i );
-    printf( "with tile %s; MiB: beyond the scene; reach: effective samples for each one traced; gain: upper bound, "
-            "over the "
-            "tile alone\n",
-            tile );
+    printf( "MiB: beyond the scene; reach: effective samples for each one traced; gain: upper bound, over %s\n",
+            tiles ? "path tracing" : "the tile alone" );
     if ( at_most( &s_given.render.settings ) )
         printf( "memory is for %d spp, the limit with --noise, --flicker and --time\n", s_given.render.settings.spp );
-    if ( rf_has_groups( s_given.render.settings.estimator ) )
-        printf( "* --group auto: %s\n", r->plan.why );
+    if ( groups )
+        printf( "* --group auto%s: %s\n", tiles ? " and --tile auto" : "", r->plan.why );
     printf( "\n" );
 }
 
@@ -366,8 +366,10 @@ static json_t* memory_json( json_t* object, const RfMemoryFit* fit, const char* 
                         format_excluded( excluded, fit, text, sizeof text ) );
 }
 
-static json_t* group_json( const RfPlanRow* row, const char* tile )
+static json_t* group_json( const RfPlanRow* row )
 {
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &row->tile, tile );
     json_t* json = json_pack( "{s:i, s:i, s:s, s:i}", "group", row->group, "eyes", row->eyes, "tile", tile, "spp", row->spp );
     memory_json( json, &row->fit, row->excluded );
     json_object_set_new( json, "rays",
@@ -394,10 +396,8 @@ static json_t* tune_json( const void* user )
     const RfRenderSettings* settings = &s_given.render.settings;
     RfSize size = s_given.render.size;
     json_t *groups = json_array(), *rows = json_array(), *rounds = json_array();
-    char tile[RF_TILE_NAME_SIZE];
-    rf_tile_name( &settings->tile, tile );
     for ( int i = 0; i < plan->count; ++i )
-        json_array_append_new( groups, group_json( plan->rows + i, tile ) );
+        json_array_append_new( groups, group_json( plan->rows + i ) );
     for ( int i = 0; i < r->tune.count; ++i )
         json_array_append_new( rows, row_json( r->tune.rows + i ) );
     for ( int i = 0; i < r->tune.round_count; ++i )

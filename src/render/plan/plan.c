@@ -1,7 +1,10 @@
-// How large a group pays: a few thousand hits along the path, traced by the render's own estimator, give the number of cameras
-// that see them and of the rays that this takes; the gain follows by fixed costs of rays.
+// How large a group and a tile pay: a few thousand paths along the camera's way, traced by the render's own estimator, tell how
+// their light varies, how many cameras see their hits, and how many rays that takes; the gain follows by fixed costs of rays
+// (src/reuse/estimators.md, E29).
+#include "film/pixel_filter.h"
 #include "reframe/plan.h"
 #include "render/memory/memory.h"
+#include "render/groups.h"
 #include "render/settings.h"
 #include "render/worlds.h"
 
@@ -18,25 +21,35 @@ typedef struct Probe
     RfRenderSettings settings; // with a seed of its own
     RfArena arena;
     RfRenderSizes sizes; // for the largest group looked at
-    void *compiled, *scratch, *batch;
+    void *compiled, *scratch, *batch, *tile_pilot;
     RfEstimatorGroup group;
+    int jobs;
     int eye; // index in it of the frame that is traced
     RfWorlds worlds;
 } Probe;
 
-// The probe looks at so many frames, and batches of each.
+// The probe looks at so many frames, and pairs of batches of each; every second one is looked at from other frames.
 #define PROBE_FRAMES 4
-#define PROBE_JOBS 8
+#define LEAST_JOBS 3
+#define MOST_JOBS 16
+#define SAMPLES_OF_JOB 2e5 // of the whole path: a pair in each frame for so many, a few per cent of their time
+#define SEEN_EVERY 2
 
 // What it counted: sums over own-frame samples.
 typedef struct Counts
 {
-    double samples, hits, glossy;
-    RfRayCounts rays; // without reuse
+    double samples;
+    RfRayCounts rays;  // without reuse between frames
+    RfTileCount tiles; // in pairs of batches
+    double counted;    // samples of those batches whose hits are looked at, and what they have
+    double hits, glossy;
     // by row
     double share[RF_PLAN_ROWS]; // Σ w: share of each hit's weight that its own frame keeps
     double eye_rays[RF_PLAN_ROWS];
 } Counts;
+
+// The largest tile that is looked at: paths in it tell of smaller ones.
+static const RfTile s_largest_tile = { RF_TILE_BLOCK, 8, 8 };
 
 #define PROBE_SEED 1 // whatever that of the render: the choice of the group is not to depend on it
 
@@ -60,6 +73,8 @@ static RfResult alloc_probe( Probe* p, RfError* error )
     result = rf_arena_alloc( &p->arena, "hit records", p->sizes.of_estimator.batch, &p->batch, error );
     if ( result == RF_OK )
         estimator->lay_out_batch( &p->group, p->batch );
+    if ( result == RF_OK ) // without room for it nothing is compared
+        rf_arena_alloc( &p->arena, "tile pilot", p->sizes.of_estimator.tile_pilot, &p->tile_pilot, NULL );
     return result;
 }
 
@@ -71,6 +86,8 @@ static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* setting
     int eye_count = shot->eye_count;
     RfGroupPlan plan = rf_plan_shots( eyes, eye_count, most_eyes / 2, settings->spp );
     *probe = ( Probe ){ .eyes = eyes, .plan = plan, .settings = *settings };
+    double samples = (double)eyes->width * eyes->height * eye_count * settings->spp;
+    probe->jobs = (int)fmax( fmin( samples / SAMPLES_OF_JOB, MOST_JOBS ), LEAST_JOBS );
     probe->settings.seed = PROBE_SEED;
     probe->arena = rf_create_arena( settings->memory );
     probe->sizes = rf_render_sizes( scene, eyes, &plan, 1, settings );
@@ -89,6 +106,7 @@ static void end_probe( Probe* p )
     rf_arena_free( &p->arena, "group", p->compiled, p->sizes.of_estimator.compiled );
     rf_arena_free( &p->arena, "scratch", p->scratch, p->sizes.of_estimator.trace_scratch );
     rf_arena_free( &p->arena, "hit records", p->batch, p->sizes.of_estimator.batch );
+    rf_arena_free( &p->arena, "tile pilot", p->tile_pilot, p->sizes.of_estimator.tile_pilot );
     p->scratch = NULL;
     p->batch = NULL;
 }
@@ -115,7 +133,7 @@ static int probe_frame( const Probe* p, int i )
 // The batch of the k-th position there: spread over the film, other places in every frame.
 static int probe_job( const Probe* p, int i, int k )
 {
-    int64_t place = PROBE_FRAMES * k + i, places = PROBE_FRAMES * PROBE_JOBS;
+    int64_t place = PROBE_FRAMES * k + i, places = PROBE_FRAMES * p->jobs;
     return (int)( ( 2 * place + 1 ) * p->sizes.of_estimator.jobs / ( 2 * places ) );
 }
 
@@ -144,23 +162,41 @@ static void count_row( Probe* p, int frame, int job, int pass, int row, int eyes
     c->eye_rays[row] += count.eye_rays;
 }
 
+// Traces a batch of a frame for itself alone, and another of the same pixels before it, whose numbers are independent: of the other
+// half of the passes.
+static void trace_pair( Probe* p, int frame, RfTraceJob job, bool seen, Counts* c )
+{
+    const RfEstimator* estimator = p->settings.estimator;
+    bool pair = estimator->count_tiles != NULL && p->tile_pilot != NULL;
+    aim_probe( p, frame, 1 );
+    for ( int k = pair ? 1 : 0; k >= 0; --k )
+    {
+        RfTraceJob of_pair = { job.eye, job.job, job.pass + k };
+        int samples = estimator->trace( &p->group, of_pair, p->batch, p->scratch, &c->rays );
+        c->samples += samples;
+        c->counted += k == 0 && seen ? samples : 0;
+        if ( pair )
+            estimator->count_tiles( &p->group, p->batch, p->scratch, p->tile_pilot, k == 0 ? &c->tiles : NULL );
+    }
+}
+
 // The i-th of the frames looked at, in batches that are a pass of their own each: small films have fewer patches.
 static void count_frame( Probe* p, int i, const int* eyes, int rows, Counts* c )
 {
     int frame = probe_frame( p, i );
     bool moves = p->worlds.count > 0; // then batches are traced again for each row, whose swept geometry is made once
-    for ( int k = 0; k < PROBE_JOBS; ++k )
+    for ( int k = 0; k < p->jobs; ++k )
     {
-        aim_probe( p, frame, 1 );
-        RfTraceJob job = { 0, probe_job( p, i, k ), k };
-        c->samples += p->settings.estimator->trace( &p->group, job, p->batch, p->scratch, &c->rays );
-        for ( int r = 0; r < rows && !moves; ++r )
-            count_row( p, frame, job.job, k, r, eyes[r], c );
+        RfTraceJob job = { 0, probe_job( p, i, k ), 2 * k };
+        bool seen = k % SEEN_EVERY == 0;
+        trace_pair( p, frame, job, seen, c );
+        for ( int r = 0; r < rows && seen && !moves; ++r )
+            count_row( p, frame, job.job, job.pass, r, eyes[r], c );
     }
     for ( int r = 0; r < rows && moves; ++r )
     {
-        for ( int k = 0; k < PROBE_JOBS; ++k )
-            count_row( p, frame, probe_job( p, i, k ), k, r, eyes[r], c );
+        for ( int k = 0; k < p->jobs; k += SEEN_EVERY )
+            count_row( p, frame, probe_job( p, i, k ), 2 * k, r, eyes[r], c );
     }
 }
 
@@ -171,21 +207,8 @@ static void count_plan( Probe* probe, const int* eyes, int rows, Counts* counts 
     rf_set_float_mode();
     for ( int i = 0; i < PROBE_FRAMES; ++i )
         count_frame( probe, i, eyes, rows, counts );
-    if ( counts->samples == 0.0 ) // all beside a film that is smaller than a tile
-        counts->samples = 1.0;
-}
-
-// Cost of a pixel over all groups where a sample costs `own`, and `reuse` for every other camera of its group:
-// Σ passes · eyes · (own + (eyes − 1) · reuse).
-static double plan_work( const RfGroupPlan* plan, double own, double reuse )
-{
-    double work = 0.0;
-    for ( int g = 0; g < plan->groups; ++g )
-    {
-        RfGroup group = rf_group( plan, g );
-        work += (double)group.passes * group.eyes * ( own + ( group.eyes - 1 ) * reuse );
-    }
-    return work;
+    if ( counts->counted == 0.0 ) // all beside a film that is smaller than a tile
+        counts->samples = counts->counted = 1.0;
 }
 
 static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
@@ -196,23 +219,28 @@ static const int s_groups[RF_PLAN_ROWS] = { 0, 1, 2, 3, 4, 6, 8, 12, 16 };
 #define COST_PATH 200.0
 #define COST_SHADOW 100.0
 #define COST_TILE 40.0
+#define COST_PAIR 21.0     // a path of another pixel of the tile, beside the ray to it
+#define COST_TILES 150.0   // a path, where there are tiles at all
 #define COST_EYE 30.0      // a visibility test
 #define COST_ADD 4.0       // adding a hit to a film, plus
+#define COST_SPREAD 2.5    // this for each pixel more that the filter has, and
 #define COST_DIRECTION 7.0 // this for each direction of a glossy hit
 
 // Why the automatic choice leaves a row out.
 static const char s_no_room[] = "does not fit in memory", s_films[] = "films take over half of the memory",
                   s_sweeps[] = "needs several sweeps", s_rounded[] = "samples rounded up too far";
 
-#define FLAT 0.9      // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
-#define ROUNDING 1.25 // rounding up may trace so many times the samples asked for
+#define FLAT 0.95       // of the best gain is good enough: smaller groups need less memory, and less time for a single frame
+#define FEW 16          // samples of a size, at least, for their squares to count as they are
+#define LEAST_REST 0.02 // of the variance that paths bring without tiles is assumed to be beside it
+#define ROUNDING 1.25   // rounding up may trace so many times the samples asked for
 
-static void list_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan )
+static void list_rows( const RfShot* shot, const RfRenderSettings* settings, const int* half_widths, int count, RfPlan* plan )
 {
     int spp = settings->spp, longest = rf_longest_shot( shot->eyes, shot->eye_count );
-    for ( int i = 0; i < RF_PLAN_ROWS; ++i )
+    for ( int i = 0; i < count; ++i )
     {
-        RfGroupPlan groups = rf_plan_samples( shot, s_groups[i], spp );
+        RfGroupPlan groups = rf_plan_samples( shot, half_widths[i], spp );
         plan->rows[plan->count++] = ( RfPlanRow ){ .group = groups.eyes / 2,
                                                    .eyes = groups.eyes,
                                                    .spp = groups.spp,
@@ -223,22 +251,184 @@ static void list_rows( const RfShot* shot, const RfRenderSettings* settings, RfP
                                                    .rays_tile = NAN,
                                                    .rays_eye = NAN,
                                                    .reach = NAN,
+                                                   .error = NAN,
+                                                   .reuse = NAN,
                                                    .gain = NAN };
         if ( groups.eyes == longest || !rf_has_groups( settings->estimator ) )
             break;
     }
 }
 
-// Gain: samples that land in a frame over the cost of a sample, relative to no reuse.
-static double gain_of( const RfGroupPlan* plan, double reach, double own, double reuse )
+// The tiles that a choice is among: the one asked for, or those of rf_tile_sides.
+typedef struct Tiles
 {
-    double samples = (double)plan->frames * plan->spp;
-    double work = plan_work( plan, own, reuse );
-    return work > 0.0 ? reach * samples * own / work : 1.0;
+    int count;
+    RfTile traced; // by the probe
+    RfTile tile[RF_TILE_CHOICES];
+} Tiles;
+
+// Of a sample, relative: what RfTileCount comes to.
+typedef struct Variances
+{
+    double own, shared, light_sample;
+    double paths[RF_TILE_CHOICES];
+} Variances;
+
+typedef struct Choice
+{
+    const RfShot* shot;
+    RfRenderSettings settings; // resolved but for group and tile
+    Tiles tiles;
+    RfPixelFilter filter;
+    Variances variances;
+    int light_samples; // asked for
+    int directions;    // of a glossy hit's record, in the tile traced
+} Choice;
+
+static Tiles find_tiles( bool chosen, const RfRenderSettings* resolved )
+{
+    Tiles tiles = { 1, resolved->tile, { resolved->tile } };
+    if ( !chosen )
+        return tiles;
+    tiles.traced = s_largest_tile;
+    tiles.count = RF_TILE_CHOICES;
+    for ( int i = 0; i < RF_TILE_CHOICES; ++i )
+        tiles.tile[i] = ( RfTile ){ i == 0 ? RF_TILE_NONE : RF_TILE_BLOCK, rf_tile_sides[i], rf_tile_sides[i] };
+    return tiles;
+}
+
+static int pixels_of( const RfTile* tile )
+{
+    return tile->kind == RF_TILE_NONE ? 1 : tile->kind == RF_TILE_BLOCK ? tile->width * tile->height : tile->width;
+}
+
+// Other pixels that share a tile with a pixel of the film, on average: tiles begin anywhere, and end at its border.
+static double neighbours_of( const RfTile* tile, const RfEye* eye )
+{
+    const int sides[2] = { tile->width, tile->height }, sizes[2] = { eye->width, eye->height };
+    double pixels = 1.0;
+    if ( tile->kind != RF_TILE_BLOCK )
+        return pixels_of( tile ) - 1;
+    for ( int axis = 0; axis < 2; ++axis )
+    {
+        double squares = 0.0;
+        for ( int shift = 0; shift < sides[axis]; ++shift )
+        {
+            for ( int begin = -shift; begin < sizes[axis]; begin += sides[axis] )
+            {
+                double length = fmin( begin + sides[axis], sizes[axis] ) - fmax( begin, 0 );
+                squares += length * length;
+            }
+        }
+        pixels *= squares / ( (double)sides[axis] * sizes[axis] );
+    }
+    return pixels - 1.0;
+}
+
+// A sample without reuse between frames: the rays that it takes, and its relative variance, of light that no other frame has and of
+// the rest.
+typedef struct Sample
+{
+    double primary, path, shadow, tile, pairs;
+    double hits, adding; // of camera rays; the cost of adding those to a film
+    double own, shared;
+} Sample;
+
+// The last octave that FEW reach: what is above counts as that.
+static int highest_octave( const double* counts )
+{
+    int octave = RF_TILE_OCTAVES - 1;
+    for ( double sum = counts[octave]; octave > 0 && sum < FEW; sum += counts[octave] )
+        octave -= 1;
+    return octave;
+}
+
+// Where nothing was compared, all light is shared and as noisy.
+static Variances find_variances( const RfTileCount* c )
+{
+    Variances v = { .shared = c->pixels > 0.0 ? 0.0 : 1.0 };
+    double pixels[RF_TILE_OCTAVES], paths[RF_TILE_OCTAVES];
+    for ( int k = 0; k < RF_TILE_OCTAVES; ++k )
+    {
+        pixels[k] = c->pairs[k].pixels;
+        paths[k] = c->paths[k].paths;
+    }
+    int high_pixel = highest_octave( pixels ), high_path = highest_octave( paths );
+    for ( int k = 0; k < RF_TILE_OCTAVES && c->pixels > 0.0; ++k )
+    {
+        double of_pixels = ldexp( 1.0 / c->pixels, k > high_pixel ? high_pixel - k : 0 ),
+               of_paths = ldexp( 1.0 / c->pixels, k > high_path ? high_path - k : 0 );
+        v.own += of_pixels * c->pairs[k].own;
+        v.shared += of_pixels * c->pairs[k].shared;
+        for ( int t = 0; t < RF_TILE_CHOICES; ++t )
+            v.paths[t] += of_paths * c->paths[k].moment[t];
+    }
+    v.light_sample = c->pixels > 0.0 ? c->light_sample / c->pixels : 0.0;
+    return v;
+}
+
+// What the pixel filter leaves of the variance of a sample per pixel, where those within `side` pixels have the same error. In every
+// pass tiles begin elsewhere, so pixels at a distance d share one with the probability 1 − d / side, in both directions.
+static double noise_left( const Choice* choice, int side )
+{
+    const RfPixelFilter* filter = &choice->filter;
+    double mean[RF_FILTER_TAPS] = { 0.0 }, left = 0.0;
+    if ( rf_is_plain_filter( &choice->settings ) )
+        return 1.0;
+    for ( int step = 0; step < RF_FILTER_STEPS; ++step )
+    {
+        for ( int k = 0; k < filter->taps; ++k )
+        {
+            double h = (double)filter->rows[step * filter->taps + k];
+            mean[k] += h / RF_FILTER_STEPS;
+            left += h * h / RF_FILTER_STEPS;
+        }
+    }
+    for ( int k = 0; k < filter->taps; ++k )
+    {
+        for ( int l = 0; l < filter->taps; ++l )
+            left += k != l ? mean[k] * mean[l] * fmax( 1.0 - (double)abs( k - l ) / side, 0.0 ) : 0.0;
+    }
+    return left * left;
+}
+
+// Of the i-th tile.
+static Sample sample_of( const Choice* choice, int i, const Counts* c )
+{
+    const Tiles* tiles = &choice->tiles;
+    Sample s = { .primary = (double)c->rays.primary / c->samples,
+                 .path = (double)c->rays.path / c->samples,
+                 .shadow = (double)c->rays.shadow / c->samples,
+                 .tile = (double)c->rays.tile / c->samples,
+                 .hits = c->hits / c->counted,
+                 .shared = 1.0 };
+    int traced = pixels_of( &tiles->traced ), own = pixels_of( &tiles->tile[i] ), directions = choice->directions - traced + own;
+    const Variances* v = &choice->variances;
+    s.pairs = neighbours_of( &tiles->tile[i], choice->shot->eyes );
+    s.own = v->own;
+    s.shared = v->shared;
+    if ( tiles->count > 1 )
+    {
+        // what paths bring is as much as the tile leaves of it, and not averaged by the filter within the tile
+        double rest = fmax( v->shared - v->paths[RF_TILE_CHOICES - 1], LEAST_REST * v->paths[0] );
+        bool fewer = own == 1 && choice->light_samples == 1; // a light sample less at first hits without tiles
+        directions -= fewer;
+        double connected = c->tiles.connected[RF_TILE_CHOICES - 1];
+        s.tile *= connected > 0.0 ? c->tiles.connected[i] / connected : 0.0;
+        s.shadow -= fewer ? s.shadow * s.hits / ( 2.0 * s.hits + s.path ) : 0.0;
+        rest += fewer ? v->light_sample : 0.0;
+        double alone = noise_left( choice, 1 );
+        s.own *= alone;
+        s.shared = alone * rest + noise_left( choice, rf_tile_sides[i] ) * v->paths[i];
+    }
+    s.adding = s.hits * ( COST_ADD + COST_SPREAD * ( rf_filter_pixels( &choice->settings ) - 1 ) ) +
+               c->glossy / c->counted * COST_DIRECTION * directions;
+    return s;
 }
 
 // Samples and rays of the frames asked for, over all sweeps.
-static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Counts* counts, int index, RfPlanRow* row )
+static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Counts* counts, const Sample* sample, int index,
+                        RfPlanRow* row )
 {
     const int* frames = shot->frames;
     int frame_count = shot->frame_count;
@@ -248,25 +438,31 @@ static void count_rays( const RfGroupPlan* plan, const RfShot* shot, const Count
     for ( int first = 0; first < frame_count; first += per_sweep )
         rf_add_group_samples( plan, frames, first, first + per_sweep < frame_count ? first + per_sweep : frame_count, &samples,
                               &others );
-    double per = pixels / counts->samples;
+    double per = pixels / counts->counted;
     row->samples = samples * pixels;
     row->rays_primary = samples * pixels;
-    row->rays_path = samples * per * (double)counts->rays.path;
-    row->rays_shadow = samples * per * (double)counts->rays.shadow;
-    row->rays_tile = samples * per * (double)counts->rays.tile;
+    row->rays_path = samples * pixels * sample->path;
+    row->rays_shadow = samples * pixels * sample->shadow;
+    row->rays_tile = samples * pixels * sample->tile;
     // visibility from the own camera is tested in blended scenes only, and counted there
     row->rays_eye =
         row->eyes > 1 ? others / ( row->eyes - 1 ) * per * counts->eye_rays[index] : samples * per * counts->eye_rays[index];
 }
 
-static void fixed_costs( const Counts* c, const RfEstimatorSizes* sizes, int index, int eyes, double* own, double* reuse )
+static double cost_of_sample( const Sample* s )
 {
-    double adding = ( c->hits * COST_ADD + c->glossy * COST_DIRECTION * sizes->directions ) / c->samples;
-    *own = ( COST_PRIMARY * (double)c->rays.primary + COST_PATH * (double)c->rays.path + COST_SHADOW * (double)c->rays.shadow +
-             COST_TILE * (double)c->rays.tile ) /
-               c->samples +
-           adding;
-    *reuse = eyes > 1 ? COST_EYE * c->eye_rays[index] / c->samples / ( eyes - 1 ) + adding : 0.0;
+    double tiles = s->pairs > 0.0 ? COST_TILES + COST_PAIR * s->pairs + COST_TILE * s->tile : 0.0;
+    return COST_PRIMARY * s->primary + COST_PATH * s->path + COST_SHADOW * s->shadow + tiles + s->adding;
+}
+
+// Relative error times cost of a pixel, which is to be small, where samples are reused in the frames of a row.
+static double product_of( const RfGroupPlan* plan, const Sample* s, RfPlanRow* row, const Counts* c, int index )
+{
+    double own = cost_of_sample( s ), samples = (double)plan->frames * plan->spp;
+    double reuse = row->eyes > 1 ? COST_EYE * c->eye_rays[index] / c->counted / ( row->eyes - 1 ) + s->adding : 0.0;
+    row->error = s->own + s->shared / row->reach;
+    row->reuse = reuse / own;
+    return row->error * rf_plan_work( plan, own, reuse ) / samples;
 }
 
 static RfShot whole_path( const RfShot* shot )
@@ -334,7 +530,8 @@ static int rows_against( const RfPlan* plan, const char* reason )
     return count;
 }
 
-static void explain( RfPlan* plan, const RfRenderSettings* settings )
+// `tiles`: they are chosen as well.
+static void explain( RfPlan* plan, const RfRenderSettings* settings, bool tiles )
 {
     char rounded[96];
     snprintf( rounded, sizeof rounded, "%d sample%s would be rounded up by more than a quarter", settings->spp,
@@ -352,9 +549,13 @@ static void explain( RfPlan* plan, const RfRenderSettings* settings )
         snprintf( plan->why, size, "the estimator '%s' reuses no frames", settings->estimator->name );
         return;
     }
+    char tile[RF_TILE_NAME_SIZE];
+    rf_tile_name( &best->tile, tile );
     size_t used = (size_t)snprintf( plan->why, size,
-                                    "the smallest group within 10 %% of the best gain at fixed ray costs, %.1f with group %d",
+                                    "the smallest group within 5 %% of the best gain at fixed ray costs, %.1f with group %d",
                                     best->gain, best->group );
+    if ( tiles && used < size )
+        used += (size_t)snprintf( plan->why + used, size - used, " and tile %s", tile );
     for ( size_t k = 0; k < sizeof reasons / sizeof reasons[0] && used < size; ++k )
     {
         int rows = rows_against( plan, reasons[k][0] );
@@ -387,69 +588,133 @@ static RfResult count( const RfShot* shot, const RfRenderSettings* settings, con
 }
 
 // Only the smallest group has to fit.
-static RfResult fit_rows( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
+static RfResult fit_row( const Choice* choice, int i, RfPlanRow* row, RfError* error )
 {
-    for ( int i = 0; i < plan->count; ++i )
-    {
-        RfPlanRow* row = plan->rows + i;
-        RfRenderSettings s = *settings;
-        s.group = row->group;
-        RfResult result = rf_fit_memory( shot, &s, &row->fit, error );
-        if ( result != RF_OK && i == 0 )
-            return result;
-        if ( i > 0 )
-            row->excluded = result != RF_OK ? s_no_room : reason_against( shot, settings, row );
-    }
+    RfRenderSettings s = choice->settings;
+    s.group = row->group;
+    s.tile = row->tile;
+    RfResult result = rf_fit_memory( choice->shot, &s, &row->fit, error );
+    if ( result != RF_OK && i == 0 )
+        return result;
+    row->excluded = i == 0 ? NULL : result != RF_OK ? s_no_room : reason_against( choice->shot, &s, row );
     return RF_OK;
 }
 
-static void weigh_rows( const RfShot* shot, const RfRenderSettings* settings, const RfEstimatorSizes* sizes, const Counts* counts,
-                        RfPlan* plan )
+static RfResult fit_rows( const Choice* choice, RfPlan* plan, RfError* error )
 {
+    RfResult result = RF_OK;
+    for ( int i = 0; i < plan->count && result == RF_OK; ++i )
+        result = fit_row( choice, i, plan->rows + i, error );
+    return result;
+}
+
+// The product of a row with the i-th tile; INFINITY where that does not fit.
+static double try_tile( const Choice* choice, int index, int tile, const Counts* counts, RfPlanRow* row )
+{
+    RfPlanRow tried = *row;
+    tried.tile = choice->tiles.tile[tile];
+    if ( choice->tiles.count > 1 && ( fit_row( choice, index, &tried, NULL ) != RF_OK || !rf_plan_row_fits( &tried ) ||
+                                      ( tried.excluded != NULL && row->excluded == NULL ) ) )
+        return INFINITY;
+    Sample sample = sample_of( choice, tile, counts );
+    RfGroupPlan groups = rf_plan_samples( choice->shot, row->group, choice->settings.spp );
+    double product = product_of( &groups, &sample, &tried, counts, index );
+    count_rays( &groups, choice->shot, counts, &sample, index, &tried );
+    *row = tried;
+    return product;
+}
+
+// Finds the tile of each row and its gain: over path tracing where tiles are chosen, else over the tile alone.
+static void weigh_rows( const Choice* choice, const Counts* counts, RfPlan* plan )
+{
+    double first = 1.0;
     for ( int i = 0; i < plan->count; ++i )
     {
         RfPlanRow* row = plan->rows + i;
         if ( !rf_plan_row_fits( row ) )
             continue;
-        RfGroupPlan groups = rf_plan_samples( shot, row->group, settings->spp );
-        double own, reuse;
-        fixed_costs( counts, sizes, i, row->eyes, &own, &reuse );
         row->reach = counts->share[i] > 0.0 ? counts->hits / counts->share[i] : 1.0;
-        row->gain = gain_of( &groups, row->reach, own, reuse );
-        count_rays( &groups, shot, counts, i, row );
+        RfPlanRow best = *row;
+        double least = INFINITY;
+        for ( int t = 0; t < choice->tiles.count; ++t )
+        {
+            RfPlanRow tried = *row;
+            double product = try_tile( choice, i, t, counts, &tried );
+            first = i == 0 && t == 0 && product > 0.0 ? product : first;
+            if ( product < least )
+            {
+                least = product;
+                best = tried;
+            }
+        }
+        best.gain = least > 0.0 ? first / least : 1.0;
+        *row = best;
     }
+}
+
+// Rows that fit, and what the probe counts for them.
+static RfResult find_rows( Choice* choice, bool chosen, RfPlan* plan, Counts* counts, RfError* error )
+{
+    RfRenderSettings settings = choice->settings;
+    choice->tiles = find_tiles( chosen, &settings );
+    settings.tile = choice->tiles.traced;
+    for ( int i = 0; i < plan->count; ++i )
+        plan->rows[i].tile = choice->tiles.tile[0];
+    RfResult result = fit_rows( choice, plan, error );
+    if ( result == RF_OK )
+        result = count( choice->shot, &settings, plan, counts, error );
+    RfGroupPlan groups = rf_plan_shots( choice->shot->eyes, choice->shot->eye_count, 0, settings.spp );
+    choice->directions = rf_render_sizes( rf_tracer_scene( choice->shot->tracer ), choice->shot->eyes, &groups, 1, &settings )
+                             .of_estimator.directions;
+    return result;
+}
+
+static RfResult plan_groups( const RfShot* shot, const RfRenderSettings* settings, const int* half_widths, int count,
+                             RfPlan* plan, RfError* error )
+{
+    Choice choice = { .shot = shot, .light_samples = settings->light_samples };
+    RfRenderSettings* common = &choice.settings;
+    Counts counts;
+    *plan = ( RfPlan ){ .count = 0 };
+    RfResult result = rf_resolve_common( shot, settings, common, error );
+    if ( result != RF_OK )
+        return result;
+    if ( !rf_is_plain_filter( common ) )
+        rf_make_pixel_filter( common, &choice.filter );
+    bool chosen = settings->tile.kind == RF_TILE_AUTO && common->estimator->count_tiles != NULL;
+    list_rows( shot, common, half_widths, count, plan );
+    result = find_rows( &choice, chosen, plan, &counts, error );
+    for ( int k = 0; k < 2 && chosen && result == RF_ERROR_MEMORY; ++k ) // no room to look at large tiles: its own, or none
+    {
+        common->tile = k == 0 ? common->estimator->tile : ( RfTile ){ RF_TILE_NONE, 1, 1 };
+        result = find_rows( &choice, false, plan, &counts, error );
+    }
+    if ( result != RF_OK )
+        return result;
+    choice.variances = find_variances( &counts.tiles );
+    weigh_rows( &choice, &counts, plan );
+    plan->hit_share = counts.hits / counts.counted;
+    plan->glossy_share = counts.glossy / counts.counted;
+    choose_row( plan );
+    RfPlanRow* row = plan->rows + plan->chosen;
+    common->tile = row->tile;
+    result = settle_adaptive( shot, common, plan, error );
+    if ( result != RF_OK )
+        return result;
+    explain( plan, common, chosen );
+    rf_record_bytes( rf_tracer_scene( shot->tracer ), common, row->eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
+    return RF_OK;
 }
 
 RfResult rf_plan_render( const RfShot* shot, const RfRenderSettings* settings, RfPlan* plan, RfError* error )
 {
-    RfRenderSettings common;
-    *plan = ( RfPlan ){ .count = 0 };
-    RfResult result = rf_resolve_common( shot, settings, &common, error );
-    if ( result != RF_OK )
-        return result;
-    list_rows( shot, &common, plan );
-    const RfScene* scene = rf_tracer_scene( shot->tracer );
-    result = fit_rows( shot, &common, plan, error );
-    Counts counts;
-    if ( result == RF_OK )
-        result = count( shot, &common, plan, &counts, error );
-    if ( result != RF_OK )
-        return result;
-    RfGroupPlan groups = rf_plan_shots( shot->eyes, shot->eye_count, 0, common.spp );
-    RfRenderSizes sizes = rf_render_sizes( scene, shot->eyes, &groups, 1, &common );
-    weigh_rows( shot, &common, &sizes.of_estimator, &counts, plan );
-    plan->hit_share = counts.hits / counts.samples;
-    plan->glossy_share = counts.glossy / counts.samples;
-    choose_row( plan );
-    result = settle_adaptive( shot, &common, plan, error );
-    if ( result != RF_OK )
-        return result;
-    weigh_rows( shot, &common, &sizes.of_estimator, &counts, plan ); // the chosen one's sweeps
-    explain( plan, &common );
-    rf_record_bytes( scene, &common, plan->rows[plan->chosen].eyes, &plan->bytes_diffuse, &plan->bytes_glossy );
-    return RF_OK;
+    return plan_groups( shot, settings, s_groups, RF_PLAN_ROWS, plan, error );
 }
 
+RfResult rf_plan_group( const RfShot* shot, const RfRenderSettings* settings, int group, RfPlan* plan, RfError* error )
+{
+    return plan_groups( shot, settings, ( int[] ){ 0, group }, group > 0 ? 2 : 1, plan, error );
+}
 void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, int eyes, size_t* diffuse, size_t* glossy )
 {
     RfEye eye = { .width = 1, .height = 1 };
@@ -457,235 +722,4 @@ void rf_record_bytes( const RfScene* scene, const RfRenderSettings* settings, in
     RfEstimatorSizes sizes = settings->estimator->sizes( &group );
     *diffuse = sizes.diffuse_record;
     *glossy = sizes.glossy_record;
-}
-
-// Another group is named where it is so many times as efficient: a tenth is within the error of the model.
-#define FASTER 1.25
-
-// What paths of a group cost and bring: by the rows of a plan, between them by the line through the nearest two.
-typedef struct Costs
-{
-    double reach;
-    double reuse; // of a sample in another frame, over that of tracing it
-} Costs;
-
-static Costs costs_of_row( const RfShot* shot, const RfRenderSettings* settings, const RfPlanRow* row )
-{
-    RfGroupPlan plan = rf_plan_samples( shot, row->group, settings->spp );
-    double traced = plan_work( &plan, 1.0, 0.0 ), others = plan_work( &plan, 0.0, 1.0 ), all = (double)plan.frames * plan.spp;
-    Costs costs = { row->reach, 0.0 };
-    if ( others > 0.0 && row->gain > 0.0 ) // gain = reach · all / ( traced + reuse · others )
-        costs.reuse = fmax( ( row->reach * all / row->gain - traced ) / others, 0.0 );
-    return costs;
-}
-
-static Costs costs_of( const RfShot* shot, const RfRenderSettings* settings, const RfPlan* plan, int group )
-{
-    const RfPlanRow *below = plan->rows, *above = NULL;
-    for ( int i = 0; i < plan->count && above == NULL; ++i )
-    {
-        const RfPlanRow* row = plan->rows + i;
-        if ( !rf_plan_row_fits( row ) )
-            continue;
-        below = row->group <= group ? row : below;
-        above = row->group > group ? row : NULL;
-    }
-    Costs a = costs_of_row( shot, settings, below );
-    if ( above == NULL )
-        return a;
-    Costs b = costs_of_row( shot, settings, above );
-    double t = (double)( group - below->group ) / ( above->group - below->group );
-    return ( Costs ){ a.reach + t * ( b.reach - a.reach ), a.reuse + t * ( b.reuse - a.reuse ) };
-}
-
-// The work of the frames asked for, where a sample costs 1, and `reuse` for each of them that it is tested for.
-static double work_of( const RfGroupPlan* plan, const RfShot* shot, double reuse )
-{
-    double work = 0.0;
-    for ( int g = 0, first = 0; g < plan->groups; ++g )
-    {
-        RfGroup group = rf_group( plan, g );
-        int wanted = 0;
-        while ( first < shot->frame_count && shot->frames[first] < group.first )
-            ++first;
-        while ( first + wanted < shot->frame_count && shot->frames[first + wanted] < group.first + group.eyes )
-            ++wanted;
-        if ( wanted > 0 )
-            work += (double)group.passes * ( group.eyes + reuse * wanted * ( group.eyes - 1 ) );
-    }
-    return work;
-}
-
-// What is beyond the work that these frames have of a render of the whole path.
-static double halo_of( const RfGroupPlan* plan, const RfShot* shot, double reuse )
-{
-    double whole = plan_work( plan, 1.0, reuse ), part = work_of( plan, shot, reuse );
-    return fmax( 1.0 - whole * shot->frame_count / plan->frames / part, 0.0 );
-}
-
-RfResult rf_plan_halo( const RfShot* shot, const RfRenderSettings* settings, double least, RfHalo* halo, RfError* error )
-{
-    RfPlan plan;
-    RfGroupPlan groups = rf_plan_samples( shot, settings->group, settings->spp );
-    *halo = ( RfHalo ){ halo_of( &groups, shot, 0.0 ), settings->group, 0.0 };
-    if ( halo->share < least ) // reuse only makes it less
-        return RF_OK;
-    RfResult result = rf_plan_render( shot, settings, &plan, error );
-    if ( result != RF_OK )
-        return result;
-    Costs now = costs_of( shot, settings, &plan, settings->group );
-    halo->share = halo_of( &groups, shot, now.reuse );
-    double each = now.reach * groups.spp / work_of( &groups, shot, now.reuse ), best = FASTER * each;
-    for ( int i = 0; i < plan.count; ++i )
-    {
-        const RfPlanRow* row = plan.rows + i;
-        if ( row->excluded != NULL || !rf_plan_row_fits( row ) || row->group >= settings->group )
-            continue;
-        RfGroupPlan other = rf_plan_samples( shot, row->group, settings->spp );
-        Costs costs = costs_of_row( shot, settings, row );
-        double efficiency = costs.reach * other.spp / work_of( &other, shot, costs.reuse );
-        if ( efficiency <= best )
-            continue;
-        best = efficiency;
-        halo->group = row->group;
-        halo->saved = 1.0 - each / best;
-    }
-    return RF_OK;
-}
-
-// Ranges of frames for several machines. A range renders all groups that hold its frames, so the groups at a cut are rendered
-// on both sides: its halo. It is least where the frames asked for have a gap, more within the path, and most at its ends, where
-// groups have more passes, or between frames of a camera that stands still.
-
-#define UNEVEN 1.05 // the longest range may take so many times the least possible, if that makes halos smaller
-#define HALVINGS 50
-
-// Samples per pixel that frames trace: of [a, b) it is halo[a] + sum[b] - sum[a].
-typedef struct Work
-{
-    int count;    // frames asked for
-    double* sum;  // count + 1: of groups, each with the first of the frames that it holds
-    double* halo; // count: of groups that hold the frame and one before it
-} Work;
-
-static double range_work( const Work* w, int first, int end ) { return w->halo[first] + w->sum[end] - w->sum[first]; }
-
-static void add_frames( const RfGroupPlan* plan, const int* eyes, Work* w )
-{
-    int done = 0; // groups
-    w->sum[0] = 0.0;
-    for ( int i = 0; i < w->count; ++i )
-    {
-        int first, last;
-        rf_groups_of_frame( plan, eyes[i], &first, &last );
-        double fresh = 0.0, again = 0.0;
-        for ( int g = first; g <= last; ++g )
-        {
-            RfGroup group = rf_group( plan, g );
-            *( g < done ? &again : &fresh ) += (double)group.passes * group.eyes;
-        }
-        w->sum[i + 1] = w->sum[i] + fresh;
-        w->halo[i] = again;
-        done = last + 1;
-    }
-}
-
-// First frame after the longest range from `first` on that stays within the limit; at least one frame.
-static int farthest( const Work* w, int first, double limit )
-{
-    int end = first + 1;
-    while ( end < w->count && range_work( w, first, end + 1 ) <= limit )
-        ++end;
-    return end;
-}
-
-static bool is_enough( const Work* w, int ranges, double limit )
-{
-    int end = 0;
-    for ( int i = 0; i < ranges && end < w->count; ++i )
-        end = farthest( w, end, limit );
-    return end == w->count;
-}
-
-// The least that the longest of so many ranges can take.
-static double least_limit( const Work* w, int ranges )
-{
-    double low = 0.0, high = range_work( w, 0, w->count );
-    for ( int i = 0; i < w->count; ++i )
-        low = fmax( low, range_work( w, i, i + 1 ) );
-    if ( is_enough( w, ranges, low ) )
-        return low;
-    for ( int i = 0; i < HALVINGS; ++i )
-    {
-        double middle = 0.5 * ( low + high );
-        *( is_enough( w, ranges, middle ) ? &high : &low ) = middle;
-    }
-    return high;
-}
-
-// The earliest ends of ranges such that those after them can take the rest.
-static void find_earliest( const Work* w, int ranges, double limit, RfPlanRange* list )
-{
-    int first = w->count;
-    for ( int k = ranges - 1; k > 0; --k )
-    {
-        int end = first--;
-        while ( first > k && range_work( w, first - 1, end ) <= limit )
-            --first;
-        first = first > k ? first : k;
-        list[k - 1].end = first;
-    }
-}
-
-// The end with the least halo; of equal ones that which comes nearest to even ranges.
-static int best_end( const Work* w, int earliest, int latest, double even )
-{
-    int best = earliest;
-    for ( int end = earliest + 1; end <= latest; ++end )
-    {
-        double more = w->halo[end] - w->halo[best];
-        if ( more < 0.0 || ( more == 0.0 && fabs( w->sum[end] - even ) < fabs( w->sum[best] - even ) ) )
-            best = end;
-    }
-    return best;
-}
-
-static void cut( const Work* w, int ranges, RfPlanRange* list )
-{
-    double limit = UNEVEN * least_limit( w, ranges ), whole = w->sum[w->count];
-    find_earliest( w, ranges, limit, list );
-    for ( int k = 0, first = 0; k < ranges; ++k )
-    {
-        int latest = farthest( w, first, limit ), most = w->count - ( ranges - 1 - k );
-        int earliest = k < ranges - 1 && list[k].end > first ? list[k].end : first + 1;
-        latest = latest < most ? latest : most;
-        int end = k == ranges - 1 ? w->count : best_end( w, earliest, latest, whole * ( k + 1 ) / ranges );
-        list[k] = ( RfPlanRange ){ first, end, range_work( w, first, end ) / whole };
-        first = end;
-    }
-}
-
-RfResult rf_plan_ranges( const RfShot* shot, const RfRenderSettings* settings, int machines, RfPlanRange* ranges,
-                         int* range_count, RfError* error )
-{
-    int frame_count = shot->frame_count;
-    if ( frame_count < 1 || machines < 1 )
-        return rf_fail( error, RF_ERROR_USAGE, "ranges need at least one frame and one machine" );
-    size_t count = (size_t)frame_count;
-    Work w = { .count = frame_count,
-               .sum = malloc( ( count + 1 ) * sizeof( double ) ),
-               .halo = malloc( count * sizeof( double ) ) };
-    RfResult result = RF_OK;
-    if ( w.sum != NULL && w.halo != NULL )
-    {
-        RfGroupPlan plan = rf_plan_samples( shot, settings->group, settings->spp );
-        add_frames( &plan, shot->frames, &w );
-        *range_count = machines < frame_count ? machines : frame_count;
-        cut( &w, *range_count, ranges );
-    }
-    else
-        result = rf_fail( error, RF_ERROR_MEMORY, "out of memory for the ranges of %d frames", frame_count );
-    free( w.sum );
-    free( w.halo );
-    return result;
 }

@@ -40,6 +40,11 @@ bool rf_parse_tile( const char* text, RfTile* tile )
 {
     static const char s_rooks[] = "rooks";
     size_t prefix = strlen( s_rooks );
+    if ( strcmp( text, "auto" ) == 0 )
+    {
+        *tile = ( RfTile ){ RF_TILE_AUTO, 1, 1 };
+        return true;
+    }
     tile->kind = strncmp( text, s_rooks, prefix ) == 0 ? RF_TILE_ROOKS : RF_TILE_BLOCK;
     text += tile->kind == RF_TILE_ROOKS ? prefix : 0;
     if ( !parse_count( &text, &tile->width ) )
@@ -57,8 +62,8 @@ bool rf_parse_tile( const char* text, RfTile* tile )
 
 void rf_tile_name( const RfTile* tile, char text[RF_TILE_NAME_SIZE] )
 {
-    if ( tile->kind == RF_TILE_NONE )
-        strcpy( text, "1" );
+    if ( tile->kind == RF_TILE_NONE || tile->kind == RF_TILE_AUTO )
+        strcpy( text, tile->kind == RF_TILE_NONE ? "1" : "auto" );
     else if ( tile->kind == RF_TILE_BLOCK )
         snprintf( text, 24, "%dx%d", tile->width, tile->height );
     else
