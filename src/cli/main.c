@@ -149,8 +149,8 @@ int main( int argc, char** argv )
         return print_manual();
     if ( strcmp( argv[1], "--version" ) == 0 )
     {
-        bool with = rf_built_with()[0] != 0;
-        printf( "reframe %s%s%s%s\n", rf_version(), with ? " (with " : "", rf_built_with(), with ? ")" : "" );
+        const char* with = rf_built_with();
+        printf( "reframe %s (pictures %d%s%s)\n", rf_version(), rf_pictures(), with[0] != 0 ? ", with " : "", with );
         return finish_output();
     }
     if ( strcmp( argv[1], "help" ) == 0 )

@@ -221,12 +221,13 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     rf_format_cryptomatte( s->cryptomatte, kinds );
     // Numbers as text: no padding bytes, no byte order, and a new setting cannot be mistaken for an old one.
     uint64_t hash = hash_text( path->hash, rf_version() );
-    add_setting( &hash, true,
-                 "scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
-                 "tile %s",
-                 (unsigned long long)scene->content_hash, frame, path->count, path->fps.numerator, path->fps.denominator, s->spp,
-                 s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
-                 (unsigned long long)s->seed, tile );
+    add_setting(
+        &hash, true,
+        "pictures %d scene %016llx frame %d of %d fps %d/%d spp %d group %d weights %s normalize %s depth %d lights %d seed %llu "
+        "tile %s",
+        rf_pictures(), (unsigned long long)scene->content_hash, frame, path->count, path->fps.numerator, path->fps.denominator,
+        s->spp, s->group, rf_weights_name( s->weights ), rf_normalize_name( s->normalize ), s->max_depth, s->light_samples,
+        (unsigned long long)s->seed, tile );
     add_setting( &hash, s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF, "noise %.17g time %.17g adaptive %d",
                  s->noise, s->time, adaptive[s->adaptive] );
     add_setting( &hash, s->flicker > 0.0, "flicker %.17g", s->flicker );
@@ -421,6 +422,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     char fingerprint[RF_FINGERPRINT_SIZE];
     rf_frame_fingerprint( output, frame->frame, fingerprint );
     put_text( a, RF_KEY_VERSION, rf_version() );
+    put( a, RF_KEY_PICTURES, "%d", rf_pictures() );
     put_text( a, RF_KEY_SCENE, rf_tracer_scene( output->tracer )->path );
     put_text( a, RF_KEY_CAMERA, output->path->name );
     put( a, RF_KEY_FRAME, "%d", rf_frame_number( output->path, frame->frame ) );

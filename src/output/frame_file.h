@@ -11,6 +11,7 @@
 // that always is, and NULL for what may differ between frames of one render.
 #define RF_KEY_LIST( X )                                                                                                         \
     X( VERSION, "reframe/version", "" )                                                                                          \
+    X( PICTURES, "reframe/pictures", "0" )                                                                                       \
     X( SCENE, "reframe/scene", NULL )                                                                                            \
     X( CAMERA, "reframe/camera", "" )                                                                                            \
     X( FRAME, "reframe/frame", "" )                                                                                              \
@@ -99,12 +100,12 @@ bool rf_is_denoised( const char* path );
 
 // What a frame that is there was rendered with, where that is not what is asked for.
 
-#define RF_MAX_DIFFERENCES 39
+#define RF_MAX_DIFFERENCES 40
 #define RF_DIFFERENCE_SIZE 256
 
 typedef struct RfFrameDifference
 {
-    const char* name; // of the setting, "spp"; or "version", "frame", "frames" (of the path)
+    const char* name; // of the setting, "spp"; or "version", "pictures", "frame", "frames" (of the path)
     char there[RF_DIFFERENCE_SIZE];
     char here[RF_DIFFERENCE_SIZE];
 } RfFrameDifference;

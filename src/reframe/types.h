@@ -39,6 +39,9 @@ typedef struct RfFps
 // The version of the library that is linked, such as "1.0.0".
 const char* rf_version( void );
 
+// The version of its pictures: a number that grows when the same settings make others.
+int rf_pictures( void );
+
 // What it was built with of the libraries that it can do without, such as "Draco, WebP"; "" where there are none.
 const char* rf_built_with( void );
 

@@ -102,13 +102,13 @@ TEST( test_help_and_version )
     }
     const char* with = cli_run( "$R --version" )->out;
 #ifdef REFRAME_WEBP
-    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "WebP" ) != NULL );
+    assert_true( strstr( with, ", with " ) != NULL && strstr( with, "WebP" ) != NULL );
 #endif
 #ifdef REFRAME_DRACO
-    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "Draco" ) != NULL );
+    assert_true( strstr( with, ", with " ) != NULL && strstr( with, "Draco" ) != NULL );
 #endif
 #ifdef REFRAME_MESHOPT
-    assert_true( strstr( with, " (with " ) != NULL && strstr( with, "meshoptimizer" ) != NULL );
+    assert_true( strstr( with, ", with " ) != NULL && strstr( with, "meshoptimizer" ) != NULL );
 #endif
     assert_int_equal( strncmp( with, "reframe ", 8 ), 0 );
     cli_expect( cli_run( "$R --help > /dev/full" ), 1, "standard output cannot be written" );
@@ -258,16 +258,20 @@ TEST( test_words_for_compressions )
 TEST( test_header_tells_the_settings )
 {
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );
-    static const char* const wanted[][2] = { { "reframe/version", REFRAME_VERSION },
-                                             { "reframe/scene", REFRAME_VASE_ROOM },
-                                             { "reframe/camera", "Camera" },
-                                             { "reframe/frame", "2" },
-                                             { "reframe/frames", "48" },
-                                             { "reframe/group", "0" },
-                                             { "reframe/spp", "1" },
-                                             { "reframe/weights", "exact" },
-                                             { "reframe/normalize", "crossfit" },
-                                             { "reframe/seed", "18446744073709551615" } };
+    const char* version = strstr( cli_run( "$R --version" )->out, "(pictures " );
+    char pictures[12] = "";
+    assert_true( version != NULL && sscanf( version, "(pictures %11[0-9]", pictures ) == 1 );
+    const char* const wanted[][2] = { { "reframe/version", REFRAME_VERSION },
+                                      { "reframe/pictures", pictures },
+                                      { "reframe/scene", REFRAME_VASE_ROOM },
+                                      { "reframe/camera", "Camera" },
+                                      { "reframe/frame", "2" },
+                                      { "reframe/frames", "48" },
+                                      { "reframe/group", "0" },
+                                      { "reframe/spp", "1" },
+                                      { "reframe/weights", "exact" },
+                                      { "reframe/normalize", "crossfit" },
+                                      { "reframe/seed", "18446744073709551615" } };
     cli_expect_exr_texts( "a.exr", wanted, sizeof wanted / sizeof wanted[0] );
 }
 
@@ -278,7 +282,7 @@ TEST( test_json_has_every_key )
     cli_expect( result, 0, NULL );
     json_t* json = parse_json( result->out );
     expect_keys( json,
-                 "version scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
+                 "version pictures scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
                  "adaptive_frames warnings export_losses export_warnings repeated_frames filter specks "
                  "beyond_depth_share clipped_pixels halo" );

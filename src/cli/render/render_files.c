@@ -283,8 +283,8 @@ json_t* rf_join_kept_frames( const RfRenderJob* job )
 // "--spp 28 (here 56), --seed 1 (here 2)"; empty where no setting differs.
 static void format_differences( const RfOutput* output, int frame, char* text, size_t size )
 {
-    static const char* const facts[] = { "version", "frame", "frames" }; // no options, or not in this sense
-    static const char* const words[] = { "version", "frame", "frames in the path" };
+    static const char* const facts[] = { "version", "pictures", "frame", "frames" }; // no options, or not in this sense
+    static const char* const words[] = { "version", "version of the pictures", "frame", "frames in the path" };
     RfFrameDifference list[RF_MAX_DIFFERENCES];
     int count = rf_list_frame_differences( output, frame, list );
     text[0] = '\0';

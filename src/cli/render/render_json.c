@@ -556,8 +556,8 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
     char tile[RF_TILE_NAME_SIZE];
     rf_tile_name( &s->tile, tile );
     json_t* json = json_pack(
-        "{s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b, s:o, s:o, s:{s:s, s:f}}",
-        "version", rf_version(), "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
+        "{s:s, s:i, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:i, s:s, s:s, s:s, s:i, s:o, s:i, s:b, s:o, s:o, s:{s:s, s:f}}",
+        "version", rf_version(), "pictures", rf_pictures(), "scene", rf_json_text( options->scene ), "frames", frames, "seconds",
         rf_json_number( rf_wall_seconds() - job->start ), "seconds_scene", rf_json_number( job->seconds_scene ), "peak_bytes",
         count_json( stats->peak_bytes ), "budget_bytes", count_json( stats->budget_bytes ), "bytes", bytes_json( stats ), "rays",
         rays_json( &stats->rays ), "group", stats->group, "tile", tile, "weights", rf_weights_name( s->weights ), "normalize",
