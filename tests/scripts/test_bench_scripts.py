@@ -77,6 +77,16 @@ class Errors(unittest.TestCase):
         self.assertAlmostEqual(pictures.gain(plain, reused), 5.0)
         self.assertTrue(math.isnan(pictures.gain(plain, {"relmse": -0.1, "cpu": 6.0})))
 
+    def test_heavy_tails(self):
+        """One of ten thousand pixels is a firefly in the reference too, and the error of one picture is all there."""
+        rng, reference = np.random.default_rng(5), np.ones((1, 100, 100, 3))
+        reference[0, 50, 50] = 100.0
+        below, own = pictures.denominators(reference), pictures.own_denominators(reference)
+        seen = {name: reference + rng.normal(0.0, sigma, (2, 1, 100, 100, 3)) for name, sigma in (("plain", 0.3), ("reused", 0.1), ("firefly", 0.1))}
+        seen["firefly"][0, 0, 50, 50] += 100.0
+        rows = {name: dict(pictures.error_of_pairs(made, below, own), cpu=1.0) for name, made in seen.items()}
+        self.assertEqual([pictures.heavy_tails(rows["plain"], rows[name]) for name in ("plain", "reused", "firefly")], ["", "", ", heavy tails"])
+
     def test_blur(self):
         # the corner counts its edges twice: rows 0,0,3 of columns 0,0,1
         self.assertAlmostEqual(pictures.blur(np.arange(6.0).reshape(2, 3))[0, 0], (0 + 0 + 1 + 0 + 0 + 1 + 3 + 3 + 4) / 9)
