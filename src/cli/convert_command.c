@@ -1,5 +1,4 @@
 // reframe convert: other formats as .glb.
-#include "base/try.h"
 #include "cli/commands.h"
 #include "cli/messages.h"
 #include "cli/options/options.h"
@@ -34,6 +33,8 @@ static const RfOption s_options[] = {
     RF_CHOICE_OPTION( "importer", &s_importer, s_importers, "reader for IN; auto: Reframe's own for PLY, assimp for the rest" ),
     RF_MEMORY_OPTION( "memory", &s_convert.memory, 128 << 20, "SIZE", "address space limit for assimp" ),
     RF_TIME_OPTION( "timeout", &s_convert.seconds, 0.1, 86400, "SECONDS", "time limit for assimp" ),
+    RF_FLAG_OPTION( "accept-losses", &s_convert.accept_losses,
+                    "leave textures out that cannot be read, with a warning; else they are an error" ),
     RF_FLAG_OPTION( "overwrite", &s_convert.overwrite, "replace an existing OUT.glb" ),
     RF_TEXT_OPTION( "json", &s_json, "FILE", "write the result as JSON; - for standard output", .writes = ".json" ),
     RF_FLAG_OPTION( "quiet", &s_quiet, "no summary, no warnings" ),
@@ -49,17 +50,25 @@ static bool is_interrupted( void* user )
     return rf_is_interrupted();
 }
 
-static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, int warnings, RfError* error )
+static void keep_loss( void* user, const char* line )
+{
+    RfLog log = rf_stderr_log( COMMAND );
+    if ( !s_quiet )
+        log.fn( log.user, line );
+    json_array_append_new( user, rf_json_text( line ) );
+}
+
+static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, json_t* losses, RfError* error )
 {
     if ( !s_quiet && rf_prints_text( s_json ) )
         rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
                   c->meshes, c->materials, c->images, c->cameras, c->lights );
     if ( s_json == NULL )
         return rf_flush_output( error );
-    json_t* json =
-        json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i}", "source", rf_json_text( from ), "output",
-                   rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes", c->meshes, "nodes", c->nodes, "materials",
-                   c->materials, "images", c->images, "cameras", c->cameras, "lights", c->lights, "warnings", warnings );
+    json_t* json = json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:O}", "source", rf_json_text( from ), "output",
+                              rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes", c->meshes, "nodes", c->nodes,
+                              "materials", c->materials, "images", c->images, "cameras", c->cameras, "lights", c->lights,
+                              "warnings", (int)json_array_size( losses ), "losses", losses );
     return rf_write_json( s_json, json, error );
 }
 
@@ -67,15 +76,17 @@ static RfResult convert( void* user, RfError* error )
 {
     const char *const *files = user, *from = files[0], *to = files[1];
     RfModelCounts counts;
-    RfLog log = rf_stderr_log( COMMAND );
-    if ( s_quiet )
-        log.fn = NULL;
+    json_t* losses = json_array();
+    RfLog log = { .fn = keep_loss, .user = losses };
     rf_catch_interrupts();
     s_convert.z_up = s_up == UP_Z;
     s_convert.assimp = s_importer == IMPORTER_ASSIMP;
     s_convert.is_interrupted = is_interrupted;
-    RF_TRY( rf_convert_model( from, to, &s_convert, &counts, &log, error ) );
-    return report_result( from, to, &counts, log.count, error );
+    RfResult result = rf_convert_model( from, to, &s_convert, &counts, &log, error );
+    if ( result == RF_OK )
+        result = report_result( from, to, &counts, losses, error );
+    json_decref( losses );
+    return result;
 }
 
 int rf_command_convert( int argc, char** argv )

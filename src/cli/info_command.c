@@ -362,8 +362,8 @@ static json_t* info_json( const RfScene* scene, const Facts* facts )
         (json_int_t)s->lights, "cameras", cameras, "effects", rf_effects_json( scene, &facts->render.settings ), "frozen",
         s->frozen, "unrendered", unrendered, "size", size, "fps", (double)s_fps.numerator / (double)s_fps.denominator,
         "export_warnings", rf_json_texts( s->export_warnings, s->export_warning_count ) );
-    rf_json_add( json, "{s:b, s:o, s:o, s:o, s:o}", "alpha", s->alpha, "export_losses",
-                 rf_json_texts( s->export_losses, s->export_loss_count ), "variants",
+    rf_json_add( json, "{s:b, s:o, s:o, s:o, s:o, s:o}", "alpha", s->alpha, "losses", rf_json_texts( s->losses, s->loss_count ),
+                 "export_losses", rf_json_texts( s->export_losses, s->export_loss_count ), "variants",
                  rf_json_texts( s->variants, s->variant_count ), "light_groups", light_groups_json( scene, s ),
                  "beyond_depth_share", rf_json_number( facts->beyond_depth ) );
     json_object_update( json, facts->changes );
@@ -383,6 +383,7 @@ static void take_given( RfRenderOptions* options )
         options->movement.variant = s_render.movement.variant;
     if ( s_group_given )
         options->settings.group = s_render.settings.group;
+    options->movement.accept_losses = s_render.movement.accept_losses;
     options->movement.freeze = options->movement.freeze || s_render.movement.freeze;
 }
 

@@ -49,6 +49,7 @@ static const char* hint_of( const RfError* error )
         case RF_REMEDY_FRAMES: return ": choose others by --frames";
         case RF_REMEDY_DENOISER: return ": get it by scripts/install-packages --denoiser, or name its library by --denoiser";
         case RF_REMEDY_OVERWRITE: return ": give another name or --overwrite";
+        case RF_REMEDY_ACCEPT_LOSSES: return "; --accept-losses goes on without";
         case RF_REMEDY_CONVERT_MEMORY: return ": give it more by --memory, or " EXPORT_INSTEAD;
         case RF_REMEDY_CONVERT_SECONDS: return ": give it more by --timeout, or " EXPORT_INSTEAD;
     }

@@ -82,7 +82,14 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* mes
     unsigned long long bits;
     memcpy( &bits, &run->scale, sizeof bits );
     snprintf( scale, sizeof scale, "%llx", bits );
-    char* arguments[] = { "reframe-import", (char*)run->source, memory, seconds, run->z_up ? "z" : "y", scale, NULL };
+    char* arguments[] = { "reframe-import",
+                          (char*)run->source,
+                          memory,
+                          seconds,
+                          run->z_up ? "z" : "y",
+                          scale,
+                          run->accept_losses ? "accept" : "refuse",
+                          NULL };
     int ends[2];
     if ( pipe( ends ) != 0 )
         return rf_fail( error, RF_ERROR_IO, "%s: the importer cannot be started: %s", run->source, strerror( errno ) );
@@ -154,6 +161,8 @@ static const char* read_messages( Messages* messages, RfModelCounts* counts, RfL
             rf_warn( log, "%s", line + 9 );
         else if ( strncmp( line, "error: ", 7 ) == 0 )
             failure = line + 7;
+        else if ( strncmp( line, "lost: ", 6 ) == 0 )
+            failure = line + 6;
         else if ( strncmp( line, "counts: ", 8 ) == 0 )
             (void)sscanf( line + 8, "%llu %d %d %d %d %d %d", &counts->triangles, &counts->meshes, &counts->nodes,
                           &counts->materials, &counts->images, &counts->cameras, &counts->lights );
@@ -200,8 +209,11 @@ RfResult rf_run_importer( const RfImporterRun* run, RfModelCounts* counts, RfLog
         close( fd );
         messages.text[messages.size] = 0;
         bool no_memory = strstr( messages.text, "bad_alloc" ) != NULL || strstr( messages.text, "out of memory" ) != NULL;
+        bool lost = strncmp( messages.text, "lost: ", 6 ) == 0 || strstr( messages.text, "\nlost: " ) != NULL;
         const char* failure = read_messages( &messages, counts, log );
         result = report_end( run, end, status, no_memory, failure, error );
+        if ( result != RF_OK && lost )
+            rf_advise( result, RF_REMEDY_ACCEPT_LOSSES, 0, error );
     }
     return rf_end_atomic_file( &file, result, error );
 }
@@ -254,6 +266,7 @@ static RfResult convert_by_assimp( const char* from, const char* to, const RfCon
                           .seconds = options->seconds,
                           .z_up = options->z_up,
                           .scale = options->scale,
+                          .accept_losses = options->accept_losses,
                           .is_interrupted = options->is_interrupted,
                           .user = options->user };
     return result == RF_OK ? rf_run_importer( &run, counts, log, error ) : result;

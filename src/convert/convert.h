@@ -14,6 +14,7 @@ typedef struct RfImporterRun
     double seconds;     // limit of wall-clock time, after which it is killed
     bool z_up;
     double scale;
+    bool accept_losses;
     bool ( *is_interrupted )( void* user ); // polled several times a second; or NULL
     void* user;
 } RfImporterRun;

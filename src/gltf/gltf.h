@@ -16,6 +16,7 @@ typedef struct RfGltfOptions
 {
     bool freeze;               // all but cameras stands still, as in the first frame of the default camera: scene->frozen
     const char* animation;     // those of this name go before the others, where several move the same; NULL: the first
+    bool accept_losses;        // textures that cannot be read are left out: scene->losses
     const char* variant;       // whose materials its primitives have; NULL: their own
     RfField materials, lights; // of a scene file: what it says of them by their names (gltf.c), in the
                                // place of what the glTF says; without json: nothing

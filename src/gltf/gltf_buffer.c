@@ -98,36 +98,25 @@ static bool decode_percent( char* text )
     return true;
 }
 
-static bool leaves_folder( const char* path )
-{
-    for ( const char* part = path; part != NULL; )
-    {
-        const char* slash = strchr( part, '/' );
-        size_t length = slash != NULL ? (size_t)( slash - part ) : strlen( part );
-        if ( length == 2 && strncmp( part, "..", 2 ) == 0 )
-            return true;
-        part = slash != NULL ? slash + 1 : NULL;
-    }
-    return false;
-}
-
-// Only files beside or below the scene may be named: an untrusted scene must not read other
-// files of the machine.
+// Files are named from the folder of the scene on, which `..` may leave, as folders of textures do.
 static const char* find_fault( const char* path )
 {
     if ( path[0] == 0 )
         return "is empty";
     if ( path[0] == '/' )
         return "begins with '/'";
-    if ( strchr( path, '\\' ) != NULL )
-        return "has a backslash";
-    if ( leaves_folder( path ) )
-        return "leaves the folder by '..'";
     const char* colon = strchr( path, ':' );
     const char* slash = strchr( path, '/' );
     if ( colon != NULL && ( slash == NULL || colon < slash ) )
         return "has a scheme";
     return NULL;
+}
+
+// Programs for Windows write backslashes.
+static void use_slashes( char* path )
+{
+    for ( ; *path != 0; ++path )
+        *path = *path == '\\' ? '/' : *path;
 }
 
 RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char* uri, char** path )
@@ -145,9 +134,11 @@ RfResult rf_gltf_resolve_uri( const RfGltf* gltf, const char* where, const char*
     strcpy( text + folder, uri );
 
     // checked before and after decoding: either form may hide a violation
+    use_slashes( text + folder );
     const char* fault = find_fault( text + folder );
     if ( fault == NULL && decode_percent( text + folder ) == false )
         fault = "has a broken %-escape";
+    use_slashes( text + folder );
     if ( fault == NULL )
         fault = find_fault( text + folder );
     if ( fault != NULL )

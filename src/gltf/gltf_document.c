@@ -276,6 +276,7 @@ static const Extension s_extensions[] = {
     { "KHR_materials_iridescence", READ },
     { "KHR_materials_pbrSpecularGlossiness", READ },
     { "KHR_materials_dispersion", READ },
+    { "CESIUM_RTC", READ },
     // metadata, sounds, what users do, levels of detail besides the finest
     { "KHR_xmp", HARMLESS },
     { "KHR_xmp_json_ld", HARMLESS },

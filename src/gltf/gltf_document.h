@@ -143,6 +143,7 @@ typedef struct RfGltf
     RfGltfUse* uses;           // of the document's meshes, then one for each further light group of nodes that has one
     int use_count;
     size_t profile_values; // of all lights, which each read their own
+    RfResult lost;         // why the last image that cannot be read cannot be
     bool plays;            // a texture of some material is an image sequence
 
     RfGltfBuffer* buffers;

@@ -87,13 +87,10 @@ static RfResult set_still( const RfGltf* gltf, const RfChannel* channel )
     return normalise_rotation( &json, node->rotation );
 }
 
-// Puts all of the file below a node that the scene file adds.
-static RfResult add_top( RfGltf* gltf )
+// Puts all of the file below a node that is not of the document.
+static RfResult add_above( RfGltf* gltf, int index, const char* name )
 {
-    int index = gltf->counts[RF_GLTF_NODES];
     RfNode* nodes = gltf->scene->nodes;
-    if ( gltf->options->top == NULL )
-        return RF_OK;
     for ( int i = gltf->order_count++; i > 0; --i )
     {
         int node = gltf->order[i] = gltf->order[i - 1];
@@ -101,8 +98,31 @@ static RfResult add_top( RfGltf* gltf )
     }
     gltf->order[0] = index;
     nodes[index].parent = -1;
-    nodes[index].name = strdup( gltf->options->top );
+    nodes[index].name = strdup( name );
     return nodes[index].name != NULL ? RF_OK : rf_gltf_no_memory( gltf, "nodes" );
+}
+
+#define RTC "CESIUM_RTC"
+
+static RfField find_centre( const RfGltf* gltf )
+{
+    RfField root = rf_gltf_root( gltf );
+    return rf_gltf_field( gltf, RTC, rf_gltf_extension( &root, RTC ).json );
+}
+
+// The centre that CESIUM_RTC gives the file moves all of it; a node that the scene file adds, of the number after those of the
+// document, moves that.
+static RfResult add_tops( RfGltf* gltf )
+{
+    RfField rtc = find_centre( gltf );
+    int top = gltf->counts[RF_GLTF_NODES], centre = top + ( gltf->options->top != NULL );
+    if ( rtc.json != NULL )
+    {
+        rf_gltf_require( &rtc, "center", NULL );
+        RF_TRY( rf_get_numbers( &rtc, "center", rf_any_number(), 3, gltf->scene->nodes[centre].translation ) );
+        RF_TRY( add_above( gltf, centre, RTC ) );
+    }
+    return gltf->options->top != NULL ? add_above( gltf, top, gltf->options->top ) : RF_OK;
 }
 
 static RfResult load_node( RfGltf* gltf, int index )
@@ -263,7 +283,7 @@ static RfResult order_nodes( RfGltf* gltf, int* depth )
 
 RfResult rf_gltf_load_nodes( RfGltf* gltf )
 {
-    int own = gltf->counts[RF_GLTF_NODES], count = own + ( gltf->options->top != NULL );
+    int own = gltf->counts[RF_GLTF_NODES], count = own + ( gltf->options->top != NULL ) + ( find_centre( gltf ).json != NULL );
     RfNode* nodes = calloc( (size_t)count + 1, sizeof *nodes );
     int* depth = calloc( (size_t)count + 1, sizeof *depth );
     gltf->order = calloc( (size_t)count + 1, sizeof *gltf->order );
@@ -285,7 +305,7 @@ RfResult rf_gltf_load_nodes( RfGltf* gltf )
     if ( result == RF_OK )
         result = order_nodes( gltf, depth );
     if ( result == RF_OK )
-        result = add_top( gltf );
+        result = add_tops( gltf );
     gltf->scene->node_count = nodes != NULL ? count : 0;
     free( depth );
     return result;

@@ -1,5 +1,7 @@
 // Textures of materials: their images, their uses, and what makes a material vary.
+#include "base/remedy.h"
 #include "base/try.h"
+#include "base/words.h"
 #include "gltf/gltf_document.h"
 
 #include "base/file.h"
@@ -173,7 +175,31 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     return result;
 }
 
-// `numbers` maps each image and colour space to a texture index, −1 before its first use.
+#define UNUSED -1
+#define LOST -2
+
+// Takes note of an image that cannot be read, for all are told at once; other errors stay.
+static RfResult lose_image( RfGltf* gltf, RfResult result, int* numbers )
+{
+    RfScene* scene = gltf->scene;
+    if ( result != RF_ERROR_IO && result != RF_ERROR_FORMAT && result != RF_ERROR_UNSUPPORTED && result != RF_ERROR_SCENE )
+        return result;
+    size_t path = strlen( gltf->path );
+    bool named = strncmp( gltf->error->text, gltf->path, path ) == 0 && strncmp( gltf->error->text + path, ": ", 2 ) == 0;
+    const char* text = gltf->error->text + ( named ? path + 2 : 0 );
+    if ( !rf_gltf_grow( &scene->losses, scene->loss_count, sizeof *scene->losses ) ||
+         ( scene->losses[scene->loss_count] = strdup( text ) ) == NULL )
+        return rf_gltf_no_memory( gltf, "images" );
+    scene->loss_count += 1;
+    gltf->lost = result;
+    rf_destroy_texture( scene->textures + --scene->texture_count );
+    numbers[0] = numbers[1] = LOST;
+    gltf->error->code = RF_OK; // what follows is read
+    return RF_OK;
+}
+
+// `numbers` maps each image and colour space to a texture index. A material without an image that cannot be read is what it is
+// without the texture, but emits nothing.
 static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbers )
 {
     RfScene* scene = gltf->scene;
@@ -182,14 +208,44 @@ static RfResult resolve_textures( RfGltf* gltf, RfMaterial* material, int* numbe
         int* use = &material->textured->refs[slot].texture;
         if ( *use < 0 )
             continue;
-        if ( numbers[*use] < 0 )
+        if ( numbers[*use] == UNUSED )
         {
             numbers[*use] = scene->texture_count++;
-            RF_TRY( load_image( gltf, *use / 2, *use % 2 == 1, scene->textures + numbers[*use] ) );
+            RfResult result = load_image( gltf, *use / 2, *use % 2 == 1, scene->textures + numbers[*use] );
+            RF_TRY( result == RF_OK ? RF_OK : lose_image( gltf, result, numbers + *use / 2 * 2 ) );
         }
-        *use = numbers[*use];
+        if ( numbers[*use] == LOST && slot == RF_TEXTURE_EMISSIVE )
+            material->emission = rf_vec3( 0.0f, 0.0f, 0.0f );
+        *use = numbers[*use] == LOST ? -1 : numbers[*use];
     }
     return RF_OK;
+}
+
+// Warns of images that cannot be read, or fails with all of them.
+static RfResult tell_losses( RfGltf* gltf )
+{
+    const RfScene* scene = gltf->scene;
+    char list[880] = "";
+    for ( int i = 0; i < scene->loss_count; ++i )
+    {
+        bool fits = strlen( list ) + strlen( scene->losses[i] ) < sizeof list - 32; // and the rest
+        if ( gltf->options->accept_losses )
+            rf_warn( gltf->log, "%s: %s: left out", gltf->path, scene->losses[i] );
+        else if ( fits || i == 0 )
+            rf_append( list, sizeof list - 32, "%s%s", i > 0 ? "; " : "", scene->losses[i] );
+        else
+        {
+            rf_append( list, sizeof list, "; and %d more", scene->loss_count - i );
+            break;
+        }
+    }
+    if ( scene->loss_count == 0 || gltf->options->accept_losses )
+        return RF_OK;
+    char many[48] = "";
+    if ( scene->loss_count > 1 )
+        snprintf( many, sizeof many, "%d textures cannot be read: ", scene->loss_count );
+    rf_fail( gltf->error, gltf->lost, "%.300s: %s%s", gltf->path, many, list );
+    return rf_advise( gltf->lost, RF_REMEDY_ACCEPT_LOSSES, 0, gltf->error );
 }
 
 // Float pixels are unbounded: multiplied by the factors they must remain radiance that can be
@@ -313,7 +369,7 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
     scene->textures = calloc( uses + 1, sizeof *scene->textures );
     RfResult result = numbers != NULL && used != NULL && scene->textures != NULL ? RF_OK : rf_gltf_no_memory( gltf, "images" );
     for ( size_t i = 0; result == RF_OK && i < uses; ++i )
-        numbers[i] = -1;
+        numbers[i] = UNUSED;
     if ( result == RF_OK )
         rf_mark_used_materials( scene, used );
     if ( result == RF_OK && uses > 0 )
@@ -335,7 +391,7 @@ RfResult rf_gltf_load_images( RfGltf* gltf )
     }
     free( numbers );
     free( used );
-    return result;
+    return result == RF_OK ? tell_losses( gltf ) : result;
 }
 
 // Uses of textures by materials: texture infos, KHR_texture_transform and samplers. The image

@@ -1,12 +1,13 @@
 // From assimp's scene to a model (files, nodes, meshes), and the program around it,
 //
-//     reframe-import FILE BYTES SECONDS y|z SCALE
+//     reframe-import FILE BYTES SECONDS y|z SCALE accept|refuse
 //
 // which writes FILE as .glb to standard output. Started by `reframe convert`. It limits its own memory and time, so that whatever
 // a file does to assimp affects only this process.
 #include "import/assimp_import.h"
 
 #include "base/file.h"
+#include "base/remedy.h"
 #include "base/try.h"
 
 #include <assimp/cimport.h>
@@ -523,6 +524,8 @@ static RfResult take_all( RfImport* import, RfError* error )
 {
     leave_fbx_axes( import );
     RF_TRY( rf_import_materials( import, error ) );
+    if ( import->lost[0] != 0 && !import->accepts_losses )
+        return rf_advise( rf_fail( error, RF_ERROR_IO, "%s", import->lost ), RF_REMEDY_ACCEPT_LOSSES, 0, error );
     RF_TRY( import_meshes( import, error ) );
     RF_TRY( import_nodes( import, error ) );
     import_cameras( import );
@@ -535,9 +538,9 @@ static RfResult take_all( RfImport* import, RfError* error )
 }
 
 // Imports a whole file. Messages do not name the file: the caller does.
-static RfResult import_by_assimp( const char* path, RfModel* model, RfLog* log, RfError* error )
+static RfResult import_by_assimp( const char* path, bool accepts_losses, RfModel* model, RfLog* log, RfError* error )
 {
-    RfImport import = { .path = path, .format = format_of( path ), .model = model, .log = log };
+    RfImport import = { .path = path, .format = format_of( path ), .model = model, .log = log, .accepts_losses = accepts_losses };
     import.scene = read_file( path );
     if ( import.scene == NULL )
         return fail_import( aiGetErrorString(), error );
@@ -613,7 +616,7 @@ static RfResult import_to( RfAtomicFile* out, char** argv, RfError* error )
     double scale;
     unsigned long long bits = strtoull( argv[5], NULL, 16 );
     memcpy( &scale, &bits, sizeof scale );
-    RfResult result = import_by_assimp( argv[1], &model, &log, error );
+    RfResult result = import_by_assimp( argv[1], strcmp( argv[6], "accept" ) == 0, &model, &log, error );
     if ( result == RF_OK )
         result = rf_apply_root_transform( &model, argv[4][0] == 'z', scale, error );
     if ( result == RF_OK )
@@ -626,7 +629,7 @@ static RfResult import_to( RfAtomicFile* out, char** argv, RfError* error )
 
 int main( int argc, char** argv )
 {
-    if ( argc != 6 )
+    if ( argc != 7 )
     {
         fprintf( stderr, "error: reframe-import is started by reframe convert, not by hand\n" );
         return 2;
@@ -640,6 +643,6 @@ int main( int argc, char** argv )
     RfError error;
     if ( import_to( &out, argv, &error ) == RF_OK )
         return 0;
-    fprintf( stderr, "error: %s\n", error.text );
+    fprintf( stderr, "%s: %s\n", error.remedy == RF_REMEDY_ACCEPT_LOSSES ? "lost" : "error", error.text );
     return 1;
 }

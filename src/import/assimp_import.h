@@ -27,6 +27,8 @@ typedef struct RfImport
     int* meshes;                 // per assimp mesh: the index of the model mesh, or −1
     char ( *image_names )[1024]; // of the images read so far, as in the file
     int image_room;
+    bool accepts_losses; // of images; else import_by_assimp fails with all of them
+    char lost[880];      // those that cannot be read, and why; as many as fit
 } RfImport;
 
 // To 0 to 1; NaN to 0.

@@ -2,6 +2,7 @@
 #include "import/assimp_import.h"
 
 #include "base/file.h"
+#include "base/words.h"
 
 #include <assimp/ObjMaterial.h>
 #include <assimp/material.h>
@@ -81,8 +82,20 @@ static bool make_room( RfImport* import )
     return true;
 }
 
+static int lose_image( RfImport* import, const char* name, const char* why )
+{
+    char text[1200];
+    snprintf( text, sizeof text, "texture '%s': %s", name, why );
+    if ( strstr( import->lost, text ) != NULL )
+        return -1;
+    if ( import->accepts_losses )
+        rf_warn( import->log, "%s: it is left out", text );
+    rf_append( import->lost, sizeof import->lost, "%s%s", import->lost[0] != 0 ? "; " : "", text );
+    return -1;
+}
+
 // The index of the image that a texture names (a path, or "*0" for an embedded one), read on
-// first use; −1, with a warning, if it cannot be read.
+// first use; −1 if it cannot be read.
 static int import_image( RfImport* import, const char* given )
 {
     RfModel* model = import->model;
@@ -98,17 +111,12 @@ static int import_image( RfImport* import, const char* given )
     uint8_t* bytes = NULL;
     size_t size = 0;
     if ( !read_embedded( import, name, &bytes, &size ) && !read_beside( import, name, &bytes, &size ) )
-    {
-        rf_warn( import->log, "texture '%s': cannot be read: it is left out: put it beside the file", name );
-        return -1;
-    }
+        return lose_image( import, name, "cannot be read, put it beside the file" );
     const char* mime = mime_of( bytes, size );
     if ( mime == NULL || !make_room( import ) )
     {
-        if ( mime == NULL )
-            rf_warn( import->log, "texture '%s': is neither PNG nor JPEG: it is left out: convert it and rename it", name );
         free( bytes );
-        return -1;
+        return mime != NULL ? -1 : lose_image( import, name, "is neither PNG nor JPEG, convert it and rename it" );
     }
     snprintf( import->image_names[model->image_count], sizeof name, "%s", name );
     model->images[model->image_count] =

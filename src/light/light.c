@@ -567,6 +567,8 @@ RfResult rf_scene_info( const RfScene* scene, RfSceneInfo* info, RfError* error 
                              .variants = (const char* const*)scene->variants,
                              .light_group_count = scene->light_group_count,
                              .light_groups = (const char* const*)scene->light_groups,
+                             .losses = (const char* const*)scene->losses,
+                             .loss_count = scene->loss_count,
                              .export_losses = (const char* const*)scene->export_losses,
                              .export_loss_count = scene->export_loss_count,
                              .export_warnings = (const char* const*)scene->export_warnings,

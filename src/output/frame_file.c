@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "base/words.h"
 #include "film/aov.h"
 #include "film/cryptomatte.h"
 #include "image/atomic_file.h"
@@ -417,6 +418,15 @@ static void put_view( Attributes* a, const RfViewText* view )
     put( a, RF_KEY_GAMMA, "%.9g", view->gamma );
 }
 
+// As many as fit.
+static void put_losses( Attributes* a, const RfScene* scene )
+{
+    char* text = a->texts[RF_KEY_LOSSES];
+    for ( int i = 0; i < scene->loss_count; ++i )
+        rf_append( text, ATTRIBUTE_SIZE, "%s%s", i > 0 ? "; " : "", scene->losses[i] );
+    put_text( a, RF_KEY_LOSSES, scene->loss_count > 0 ? text : NULL );
+}
+
 static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResult* frame )
 {
     char fingerprint[RF_FINGERPRINT_SIZE];
@@ -424,6 +434,7 @@ static void put_frame( Attributes* a, const RfOutput* output, const RfFrameResul
     put_text( a, RF_KEY_VERSION, rf_version() );
     put( a, RF_KEY_PICTURES, "%d", rf_pictures() );
     put_text( a, RF_KEY_SCENE, rf_tracer_scene( output->tracer )->path );
+    put_losses( a, rf_tracer_scene( output->tracer ) );
     put_text( a, RF_KEY_CAMERA, output->path->name );
     put( a, RF_KEY_FRAME, "%d", rf_frame_number( output->path, frame->frame ) );
     put( a, RF_KEY_FRAMES, "%d", output->path->count );

@@ -16,6 +16,7 @@
     X( CAMERA, "reframe/camera", "" )                                                                                            \
     X( FRAME, "reframe/frame", "" )                                                                                              \
     X( FRAMES, "reframe/frames", "" )                                                                                            \
+    X( LOSSES, "reframe/losses", NULL )                                                                                          \
     X( SHOT, "reframe/shot", NULL )                                                                                              \
     X( STEP, "reframe/step", NULL )                                                                                              \
     X( OVERSCAN, "reframe/overscan", "none" )                                                                                    \

@@ -16,6 +16,7 @@ typedef struct RfConvertOptions
     bool z_up;                              // the model's z points up: it is turned to glTF's y
     double scale;                           // metres per unit of the model, after what its own units say
     bool overwrite;                         // a target that is there is replaced; else it is an error
+    bool accept_losses;                     // textures that cannot be read are left out, with a warning; else they are an error
     bool assimp;                            // PLY too is read by assimp, not by the strict reader of ours
     const char* importer;                   // path of reframe-import, the process that assimp runs in; NULL: looked for beside
                                             // the running program, then in ../libexec/reframe and ../lib/reframe from there

@@ -41,6 +41,7 @@ typedef enum RfRemedy
     RF_REMEDY_CONVERT_MEMORY,  // a larger RfConvertOptions.memory
     RF_REMEDY_DENOISER,        // the library of rf_open_denoiser
     RF_REMEDY_CONVERT_SECONDS, // a larger RfConvertOptions.seconds
+    RF_REMEDY_ACCEPT_LOSSES,   // RfSceneOptions.accept_losses, RfConvertOptions.accept_losses
 } RfRemedy;
 
 typedef struct RfError

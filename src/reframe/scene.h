@@ -31,6 +31,7 @@ typedef struct RfSceneOptions
     bool freeze;           // all but cameras stands still, as in the first frame of the default camera
     const char* animation; // of the glTF: those of this name go before the others where several move the same; NULL: the first
     const char* variant;   // of the glTF (KHR_materials_variants), which gives its meshes other materials; NULL: their own
+    bool accept_losses;    // textures that cannot be read are left out, and listed (RfSceneInfo.losses); else they are an error
 } RfSceneOptions;
 
 // Fails with RF_ERROR_USAGE, naming those there are, if no animation or variant has the name asked for.
@@ -74,6 +75,8 @@ typedef struct RfSceneInfo
     const char* const* variants;     // their names
     int light_group_count;           // tags of lights, as a render may split its picture by (RfRenderSettings.light_groups)
     const char* const* light_groups; // their names
+    int loss_count;                  // what RfSceneOptions.accept_losses went on without
+    const char* const* losses;
     int export_loss_count; // of the program that wrote the file: what freezes a movement or changes the light of the picture
     const char* const* export_losses;
     int export_warning_count; // its smaller losses

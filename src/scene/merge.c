@@ -309,6 +309,7 @@ static RfResult move_notes( const Merge* m, const char* name )
 {
     RfScene *scene = m->scene, *placed = m->placed;
     bool named = put_before_all( name, placed->moving, placed->moving_count ) &&
+                 put_before_all( name, placed->losses, placed->loss_count ) &&
                  put_before_all( name, placed->export_losses, placed->export_loss_count ) &&
                  put_before_all( name, placed->export_warnings, placed->export_warning_count );
     for ( int i = 0; i < placed->unrendered_count; ++i )
@@ -317,6 +318,7 @@ static RfResult move_notes( const Merge* m, const char* name )
         return no_memory( m );
     MOVE_ITEMS( scene->unrendered, scene->unrendered_count, placed->unrendered, placed->unrendered_count );
     MOVE_ITEMS( scene->moving, scene->moving_count, placed->moving, placed->moving_count );
+    MOVE_ITEMS( scene->losses, scene->loss_count, placed->losses, placed->loss_count );
     MOVE_ITEMS( scene->export_losses, scene->export_loss_count, placed->export_losses, placed->export_loss_count );
     MOVE_ITEMS( scene->export_warnings, scene->export_warning_count, placed->export_warnings, placed->export_warning_count );
     MOVE_ITEMS( scene->punctuals, scene->punctual_count, placed->punctuals, placed->punctual_count );

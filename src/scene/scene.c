@@ -209,6 +209,7 @@ void rf_destroy_scene( RfScene* scene )
     free( scene->cameras );
     free_texts( scene->moving, scene->moving_count );
     free_texts( scene->variants, scene->variant_count );
+    free_texts( scene->losses, scene->loss_count );
     free_texts( scene->export_losses, scene->export_loss_count );
     free_texts( scene->export_warnings, scene->export_warning_count );
     free_texts( scene->light_groups, scene->light_group_count );

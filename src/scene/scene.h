@@ -326,6 +326,8 @@ struct RfScene
     char** moving;               // their names
     int variant_count;           // of materials, in the file
     char** variants;             // their names
+    int loss_count;
+    char** losses; // textures that are left out since they cannot be read
     int export_loss_count, export_warning_count;
     char **export_losses, **export_warnings; // of the program that wrote the file; printable
     RfCamera* cameras;

@@ -1,6 +1,7 @@
 // Reads `objects` of a scene file (places, keys, how an animation is played), and does to the scene what they say.
 #include "scene_file/objects.h"
 
+#include "base/remedy.h"
 #include "base/try.h"
 #include "base/words.h"
 #include "gltf/gltf_document.h"
@@ -323,7 +324,8 @@ static RfResult fail( const RfObject* object, RfResult result, const RfError* er
     RfField field = rf_field_member( &object->field, result == RF_ERROR_USAGE ? name : "file" );
     if ( strncmp( error->text, field.file, strlen( field.file ) ) == 0 ) // by materials of the scene file, which it names
         return rf_fail( field.error, result, "%.900s", error->text );
-    return rf_field_fail_as( &field, result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result, error );
+    return rf_advise( rf_field_fail_as( &field, result == RF_ERROR_USAGE ? RF_ERROR_SCENE : result, error ), error->remedy, 0,
+                      field.error );
 }
 
 static RfResult check_placed( const Placing* p, const RfScene* placed, RfLog* log )
@@ -357,7 +359,8 @@ static bool is_repeated( const RfObjects* objects, int index )
     return false;
 }
 
-static RfResult place_file( const RfObject* object, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log )
+static RfResult place_file( const RfObject* object, RfFps fps, const double* frozen_at, bool accept_losses, RfScene* scene,
+                            RfLog* log )
 {
     RfScene placed;
     RfError error = { 0 };
@@ -366,6 +369,7 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
         .freeze = frozen_at != NULL,
         .frozen_at = frozen_at,
         .animation = object->animation,
+        .accept_losses = accept_losses,
         .variant = object->variant,
         .materials = rf_field_member( &object->field, "materials" ),
         .survey = survey_placed,
@@ -394,12 +398,14 @@ static RfResult place_file( const RfObject* object, RfFps fps, const double* fro
     return result == RF_OK ? rf_merge_scene( scene, &placed, name_of( object ), object->field.error ) : result;
 }
 
-RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log )
+RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, bool accept_losses, RfScene* scene,
+                         RfLog* log )
 {
     for ( int i = 0; i < objects->count; ++i )
     {
         if ( objects->list[i].file != NULL )
-            RF_TRY( place_file( objects->list + i, fps, frozen_at, scene, is_repeated( objects, i ) ? NULL : log ) );
+            RF_TRY(
+                place_file( objects->list + i, fps, frozen_at, accept_losses, scene, is_repeated( objects, i ) ? NULL : log ) );
     }
     return RF_OK;
 }

@@ -41,6 +41,7 @@ RfResult rf_find_nodes( const RfObjects* objects, const json_t* root, RfChannel*
 
 // Loads the files that objects place and makes them part of the scene, of so many frames per second: frozen at a time, in seconds,
 // unless that is NULL.
-RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, RfScene* scene, RfLog* log );
+RfResult rf_place_files( const RfObjects* objects, RfFps fps, const double* frozen_at, bool accept_losses, RfScene* scene,
+                         RfLog* log );
 
 #endif

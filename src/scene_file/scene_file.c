@@ -125,6 +125,7 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, RfScene*
         return result != RF_OK ? result : rf_field_no_memory( root );
     RfGltfOptions options = { .freeze = reading->options->freeze,
                               .animation = reading->options->animation,
+                              .accept_losses = reading->options->accept_losses,
                               .variant = reading->options->variant,
                               .materials = rf_field_member( root, "materials" ),
                               .lights = rf_field_member( root, "lights" ),
@@ -146,7 +147,7 @@ static RfResult load_gltf( const RfField* root, const Reading* reading, RfScene*
     {
         double first = reading->frozen_at != NULL ? *reading->frozen_at : rf_gltf_first_time( scene );
         result = rf_place_files( &s.objects, given ? reading->fps : rf_scene_fps( scene ),
-                                 reading->options->freeze ? &first : NULL, scene, reading->log );
+                                 reading->options->freeze ? &first : NULL, reading->options->accept_losses, scene, reading->log );
     }
     rf_destroy_objects( &s.objects );
     free( s.channels );
@@ -410,7 +411,10 @@ static RfResult load_all( const RfSceneFile* file, Reading* reading, RfScene* sc
 
 static RfResult load( const RfSceneFile* file, const RfSceneOptions* options, RfScene* scene, RfLog* log, RfError* error )
 {
-    RfGltfOptions plain = { .freeze = options->freeze, .animation = options->animation, .variant = options->variant };
+    RfGltfOptions plain = { .freeze = options->freeze,
+                            .animation = options->animation,
+                            .accept_losses = options->accept_losses,
+                            .variant = options->variant };
     Reading reading = { .options = options, .log = log };
     double first[2], same[2];
     if ( file->document.root == NULL )

@@ -284,7 +284,7 @@ TEST( test_json_has_every_key )
     expect_keys( json,
                  "version pictures scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
-                 "adaptive_frames warnings export_losses export_warnings repeated_frames filter specks "
+                 "adaptive_frames warnings losses export_losses export_warnings repeated_frames filter specks "
                  "beyond_depth_share clipped_pixels halo" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
@@ -318,7 +318,7 @@ TEST( test_info_tells_cameras_and_materials )
     json_auto_t* json = parse_json( result->out );
     expect_keys(
         json, "triangles stored_triangles instances materials lights cameras effects moving changing sharing frozen unrendered "
-              "size fps alpha export_losses export_warnings variants light_groups beyond_depth_share" );
+              "size fps alpha losses export_losses export_warnings variants light_groups beyond_depth_share" );
     json_t* camera = json_array_get( json_object_get( json, "cameras" ), 0 );
     expect_keys( camera, "name frames first step animated shots" );
     assert_int_equal( json_integer_value( json_object_get( camera, "frames" ) ), 95 );

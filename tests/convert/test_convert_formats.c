@@ -267,9 +267,18 @@ TEST_WITHIN( test_missing_texture, convert_enter, convert_leave )
 {
     convert_write( "a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n" );
     convert_write( "a.mtl", "newmtl m\nKd 1 1 1\nmap_Kd gone\\wall.png\n" );
-    cli_expect( cli_run( "$R convert a.obj a.glb" ), 0, "texture 'gone/wall.png': cannot be read: it is left out" );
+    cli_expect( cli_run( "$R convert a.obj a.glb" ), 1,
+                "a.obj: texture 'gone/wall.png': cannot be read, put it beside the file; --accept-losses goes on without" );
+    assert_false( cli_exists( "a.glb" ) );
+    cli_expect( cli_run( "$R convert a.obj a.glb --accept-losses" ), 0,
+                "warning: texture 'gone/wall.png': cannot be read, put it beside the file: it is left out" );
     convert_write( "wall.png", "no picture" );
-    cli_expect( cli_run( "$R convert a.obj a.glb --overwrite" ), 0, "texture 'gone/wall.png': is neither PNG nor JPEG" );
+    convert_write( "a.mtl", "newmtl m\nKd 1 1 1\nmap_Kd gone\\wall.png\nmap_Ke lamp.png\n" );
+    cli_expect( cli_run( "$R convert a.obj a.glb --overwrite" ), 1,
+                "'gone/wall.png': is neither PNG nor JPEG, convert it and rename it; texture 'lamp.png': cannot be read" );
+    const char* json = cli_run( "$R convert a.obj a.glb --overwrite --accept-losses --quiet --json -" )->out;
+    assert_non_null( strstr( json, "\"losses\": [" ) );
+    assert_non_null( strstr( json, "\"warnings\": 2" ) );
 }
 
 TEST_WITHIN( test_vertex_colours_arrive, convert_enter, convert_leave )

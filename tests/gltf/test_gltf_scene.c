@@ -140,6 +140,21 @@ TEST( test_cameras_are_read )
     rf_destroy_scene( &scene );
 }
 
+// All of the file goes by the centre, which is beyond what floats tell apart.
+TEST( test_centre_of_cesium )
+{
+    GltfBuilder b = make_motion();
+    RfScene scene = gltf_load_built(
+        &b, "\"nodes\":[{\"mesh\":0,\"translation\":[0,0.25,0]}]," MESH(
+                "{\"attributes\":{\"POSITION\":3},\"mode\":6}" ) ",\"extensions\":{\"CESIUM_RTC\":{\"center\":[4000000.125,0,-"
+                                                                 "3000000]}},\"extensionsUsed\":[\"CESIUM_RTC\"],"
+                                                                 "\"extensionsRequired\":[\"CESIUM_RTC\"]" );
+    assert_true( scene.origin[0] + (double)scene.bounds_min.x == 4000000.125 );
+    assert_true( scene.origin[1] + (double)scene.bounds_min.y == 0.25 );
+    rf_destroy_scene( &scene );
+    gltf_refuse_built( &b, "\"extensions\":{\"CESIUM_RTC\":{}}", "CESIUM_RTC: center is missing" );
+}
+
 TEST( test_frozen_mesh_is_taken_at_its_first_key )
 {
     GltfBuilder b = make_motion();

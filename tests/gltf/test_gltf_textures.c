@@ -13,6 +13,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const float s_square[] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
 static const uint8_t s_pixels[] = { 255, 0, 0, 255, 0, 128, 0, 255, 0, 0, 64, 255, 200, 200, 200, 51 };
@@ -341,6 +342,53 @@ TEST( test_where_images_come_from )
     rf_destroy_scene( &scene );
     free( png );
     free( base64 );
+
+    // elsewhere, as projects lie on disks: out of the folder, by backslashes, by a link
+    char link[128];
+    snprintf( link, sizeof link, "%s", folder_file( &gltf_folder, "a.bin" ) );
+    assert_int_equal( symlink( folder_file( &gltf_folder, "b c.bin" ), link ), 0 );
+    const char* folder = strrchr( gltf_folder.path, '/' ) + 1;
+    for ( int i = 0; i < 3; ++i )
+    {
+        static const char* const s_uris[] = { "../%s/b%%20c.bin", "..\\\\%s%%5Cb c.bin", "../%s/a.bin" };
+        char uri[200];
+        snprintf( uri, sizeof uri, s_uris[i], folder );
+        snprintf( rest, sizeof rest,
+                  NODES ",\"images\":[{\"uri\":\"%s\"}],\"textures\":[{\"source\":0}],\"materials\":[{\"emissiveTexture\":{"
+                        "\"index\":0}}]",
+                  uri );
+        scene = gltf_load_built( &b, rest );
+        assert_memory_equal( scene.textures[0].bytes, other, sizeof other );
+        rf_destroy_scene( &scene );
+    }
+}
+
+// All are told at once, and may be left out: without its texture nothing shines.
+TEST( test_images_that_cannot_be_read )
+{
+    GltfBuilder b = make_square();
+    const char* rest =
+        NODES ",\"images\":[{\"uri\":\"absent.png\"},{\"bufferView\":0},{\"bufferView\":5}],\"textures\":[{\"source\":0},{"
+              "\"source\":1},"
+              "{\"source\":2}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},"
+              "\"metallicRoughnessTexture\":{"
+              "\"index\":0}},\"normalTexture\":{\"index\":2},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{\"index\":1}}]";
+    RfScene scene;
+    RfError error = { 0 };
+    const char* path = write_gltf( &b, &gltf_folder, rest );
+    assert_int_not_equal( rf_load_gltf( path, &scene, NULL, &error ), RF_OK );
+    assert_int_equal( error.remedy, RF_REMEDY_ACCEPT_LOSSES );
+    const char* first = strstr( error.text, "a.gltf: 2 textures cannot be read: images[0]: " );
+    if ( first == NULL || strstr( first, "absent.png: cannot be opened: No such file" ) == NULL ||
+         strstr( first, "; images[1]: not a PNG" ) == NULL )
+        fail_msg( "%s", error.text );
+    scene = gltf_load_with( path, &( RfGltfOptions ){ .accept_losses = true } );
+    const RfMaterial* m = scene.materials + scene.triangles.material[0];
+    assert_true( scene.loss_count == 2 && scene.texture_count == 1 &&
+                 strncmp( scene.losses[1], "images[1]: not a PNG", 20 ) == 0 );
+    assert_true( m->textured->refs[RF_TEXTURE_BASE].texture == -1 && m->textured->refs[RF_TEXTURE_NORMAL].texture == 0 );
+    assert_true( m->emission.x == 0.0f && strstr( gltf_warnings, "images[1]: not a PNG" ) != NULL );
+    rf_destroy_scene( &scene );
 }
 
 // 16 bits become floats, by the curve where they are colour.
@@ -418,8 +466,10 @@ TEST( test_faults_are_one_line )
           ",\"images\":[{\"bufferView\":5,\"uri\":\"a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: bufferView", ",\"images\":[{\"bufferView\":50}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_FORMAT, "images[0]: not a PNG", ",\"images\":[{\"bufferView\":0}],\"textures\":[{\"source\":0}]," USE },
-        { RF_ERROR_UNSUPPORTED, "images[0]: uri '../a.png'",
-          ",\"images\":[{\"uri\":\"../a.png\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_UNSUPPORTED, "images[0]: uri '\\etc\\a.png' begins with '/'",
+          ",\"images\":[{\"uri\":\"\\\\etc\\\\a.png\"}],\"textures\":[{\"source\":0}]," USE },
+        { RF_ERROR_UNSUPPORTED, "images[0]: uri '%5Cetc/a.png' begins with '/'",
+          ",\"images\":[{\"uri\":\"%5Cetc/a.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_IO, "absent.png", ",\"images\":[{\"uri\":\"absent.png\"}],\"textures\":[{\"source\":0}]," USE },
         { RF_ERROR_UNSUPPORTED, "images[0]: uri 'https://a.org/b.png' is not fetched: download it",
           ",\"images\":[{\"uri\":\"https://a.org/b.png\"}],\"textures\":[{\"source\":0}]," USE },

@@ -44,6 +44,8 @@ extern RfDefaultTexts rf_default_texts;
         RF_TEXT_OPTION( "variant", &( o ).movement.variant, "NAME",                                                              \
                         "variant of the glTF, as reframe info lists them: other materials for its meshes", .in_file = true,      \
                         .default_text = "the meshes' own materials" ),                                                           \
+        RF_FLAG_OPTION( "accept-losses", &( o ).movement.accept_losses,                                                          \
+                        "leave textures out that cannot be read, with a warning; else they are an error" ),                      \
         RF_FLAG_OPTION( "freeze", &( o ).movement.freeze,                                                                        \
                         "move only the camera: all else stands still as in the first frame of the scene's own camera",           \
                         .in_file = true )

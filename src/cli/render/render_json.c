@@ -596,7 +596,8 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
         rf_json_add( json, "{s:{s:f, s:i}}", "flicker", "wanted", s->flicker, "missed", stats->flicker_missed );
     if ( s->time > 0.0 )
         rf_json_add( json, "{s:{s:f, s:b}}", "time", "wanted", s->time, "too_short", stats->hurried );
-    return rf_json_add( json, "{s:o, s:o, s:{s:f, s:i, s:f}}", "export_losses",
+    return rf_json_add( json, "{s:o, s:o, s:o, s:{s:f, s:i, s:f}}", "losses",
+                        rf_json_texts( (const char* const*)scene->losses, scene->loss_count ), "export_losses",
                         rf_json_texts( (const char* const*)scene->export_losses, scene->export_loss_count ), "export_warnings",
                         rf_json_texts( (const char* const*)scene->export_warnings, scene->export_warning_count ), "halo", "share",
                         job->halo.share, "group", job->halo.group, "saved", job->halo.saved );
