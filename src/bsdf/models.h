@@ -76,10 +76,14 @@ typedef struct RfMaterial
     RfVec3 emission;      // radiance, W/(m² sr), on the front (on both sides if double_sided)
     // in 32 bits: the size of a material is a factor of few instructions wherever one is looked up
     bool dims : 1;                // its emission changes: `emission` is the most of each channel, a pose has that of its time
+    bool unlit : 1;               // `emission` is for the eye alone: it lights nothing
     bool changes : 1;             // something else of it does: only what moves (scene/movement.h) has it
     unsigned int pass_index : 24; // a number for compositors; 0: none
     struct RfTextured* textured;  // what varies over the surface (scene/textured.h); NULL: nothing
 } RfMaterial;
+
+// Whether it lights anything.
+static inline bool rf_emits( const RfMaterial* m ) { return !m->unlit && rf_max_component( m->emission ) > 0.0f; }
 
 // True of the surfaces that light paths follow: perfect mirrors and smooth glass with an inside, without textures.
 static inline bool rf_is_chain_surface( const RfMaterial* m )

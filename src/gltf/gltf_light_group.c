@@ -97,7 +97,7 @@ static int emitter_of( const RfGltf* gltf, const RfField* primitive )
 {
     int material = -1;
     bool emits = rf_gltf_material_of( gltf, primitive, &material ) == RF_OK && material >= 0 &&
-                 rf_max_component( gltf->scene->materials[material].emission ) > 0.0f;
+                 rf_emits( gltf->scene->materials + material );
     return emits ? material : -1;
 }
 

@@ -217,12 +217,13 @@ static void make_glass( const RfMaterialValues* in, RfMaterial* out )
         rf_vec3( absorption( color[0], distance ), absorption( color[1], distance ), absorption( color[2], distance ) );
 }
 
-// A surface that looks the same in any light: emission of its base colour.
+// A surface that looks the same in any light, and sheds none: its base colour.
 static void make_unlit( const double base[3], RfMaterial* out )
 {
     out->kind = RF_BSDF_LAMBERT;
     out->diffuse = rf_vec3( 0.0f, 0.0f, 0.0f );
     out->emission = rf_vec3_of( base, 1.0 );
+    out->unlit = true;
 }
 
 // True for a metal by its factors, unless a texture varies it.

@@ -765,7 +765,7 @@ size_t rf_group_lights_bytes( const RfScene* scene, int frames )
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
     {
         const RfMaterial* m = scene->materials + scene->triangles.material[i];
-        bool emits = rf_max_component( m->emission ) > 0.0f;
+        bool emits = rf_emits( m );
         triangles += emits;
         changing += emits && m->dims;
     }

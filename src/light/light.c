@@ -15,7 +15,7 @@
 
 // Lights that move or change.
 
-static bool shines( const RfMaterial* material ) { return rf_max_component( material->emission ) > 0.0f; }
+static bool shines( const RfMaterial* material ) { return rf_emits( material ); }
 
 static bool moves( const RfScene* scene ) { return rf_calls_for( scene->movement != NULL, RF_EFFECT_MOVING ); }
 
@@ -223,7 +223,7 @@ static RfLight make_light( const RfScene* scene, uint32_t triangle )
 
 static bool emits( const RfScene* scene, uint32_t triangle )
 {
-    return rf_max_component( scene->materials[scene->triangles.material[triangle]].emission ) > 0.0f;
+    return rf_emits( scene->materials + scene->triangles.material[triangle] );
 }
 
 RfResult rf_build_alias( RfLights* lights, const double* powers, double total, RfError* error )

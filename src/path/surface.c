@@ -103,12 +103,14 @@ static inline void fill_params_of_hit( RfVertexLanes* v, int i, const RfMaterial
 }
 
 // Emission towards wo, and the density of this point for a light sample at the
-// ray's origin, given the light.
-static inline __attribute__( ( always_inline ) ) void fill_emission( RfVertexLanes* v, int i, const RfLights* lights,
-                                                                     uint32_t index, float facing, RfVec3 to_hit )
+// ray's origin, given the light: 0 of what is unlit, which only cameras see.
+static inline __attribute__( ( always_inline ) ) void
+fill_emission( RfVertexLanes* v, int i, const RfLights* lights, uint32_t index, const RfMaterial* m, float facing, RfVec3 to_hit )
 {
     v->light_pdf_solid_angle[i] = 0.0f;
     RF_PUT3( v->emission, i, rf_vec3( 0, 0, 0 ) );
+    if ( m->unlit && ( facing > 0.0f || rf_calls_for( m->double_sided, RF_EFFECT_TWO_SIDED_EMISSION ) ) )
+        RF_PUT3( v->emission, i, m->emission );
     if ( index == RF_NO_LIGHT )
         return;
     const RfLight* light = lights->light + index;
@@ -167,7 +169,7 @@ static inline __attribute__( ( always_inline ) ) void fill_lane( const Source* f
     v->slot[i] = rays->slot[r];
     v->material[i] = (int32_t)t->material;
     fill_params_of_hit( v, i, from->materials + t->material, facing, rays, r );
-    fill_emission( v, i, from->lights, t->light, facing, rf_sub( hit.p, o ) );
+    fill_emission( v, i, from->lights, t->light, from->materials + t->material, facing, rf_sub( hit.p, o ) );
 }
 
 // A point on a triangle; side is −1 where the triangle is seen from behind.

@@ -29,6 +29,7 @@ typedef struct Work
 {
     RfWavefront wavefront;
     RfRayLanes last;            // those that reach a surface that is not specular, or the sky
+    float unlit[3][RF_LANES];   // by slot, of unlit surfaces that are seen
     int32_t material[RF_LANES]; // by slot, what is seen first; SKY
     bool specular[RF_LANES];    // likewise
 } Work;
@@ -133,6 +134,17 @@ static void keep_ray( const RfRayLanes* from, int r, RfRayLanes* to )
     to->slot[at] = from->slot[r];
 }
 
+static void note_unlit( const RfPathSettings* settings, const RfRayLanes* rays, Work* work )
+{
+    const RfMaterial* materials = rf_tracer_scene( settings->tracer )->materials;
+    const RfVertexLanes* v = &work->wavefront.vertices;
+    for ( int i = 0; i < rf_record_count( v ); ++i )
+    {
+        for ( int c = 0; c < 3 && materials[v->material[i]].unlit; ++c )
+            work->unlit[c][v->slot[i]] = v->emission[c][i] * rays->throughput[c][v->ray[i]];
+    }
+}
+
 static void note_first( Work* work )
 {
     const RfVertexLanes* v = &work->wavefront.vertices;
@@ -154,6 +166,7 @@ static void pass_specular( const RfPathSettings* settings, int vertex, RfRayLane
     for ( int r = 0; r < rays->count; ++r )
         ends[r] = true;
     rf_absorb( v, rays );
+    note_unlit( settings, rays, work );
     rf_scatter_lanes( wavefront, v, RF_DIMENSION_CHAINS + rf_vertex_dimension( vertex, settings->light_samples ), wi, s );
     next->count = 0;
     for ( int i = rf_record_count( v ); i < v->count; ++i )
@@ -181,6 +194,7 @@ static void trace( const Shape* shape, Work* work )
     RfRayLanes *rays = &wavefront->rays, *next = &wavefront->next;
     int count = rays->count;
     work->last.count = 0;
+    memset( work->unlit, 0, sizeof work->unlit );
     for ( int i = 0; i < count; ++i )
     {
         work->material[i] = SKY;
@@ -205,7 +219,7 @@ static void trace( const Shape* shape, Work* work )
 static double light_of( const Work* work, int c, int slot )
 {
     const RfArrivals* a = &work->wavefront.arrivals;
-    return (double)a->emitted[c][slot] + (double)a->rest[c][slot];
+    return (double)a->emitted[c][slot] + (double)a->rest[c][slot] + (double)work->unlit[c][slot];
 }
 
 static double variance_of( const Work* work, int first, int count )

@@ -32,6 +32,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
         traits->panes = traits->panes || rf_may_be_pane( material );
         traits->smooth = traits->smooth || rf_may_be_smooth( material );
         traits->without_caustics = traits->without_caustics || rf_may_throw_caustics( material );
+        traits->unlit = traits->unlit || material->unlit;
         traits->sharp = traits->sharp || rf_may_be_sharp( material );
     }
 }
@@ -170,7 +171,7 @@ bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* setti
 {
     bool grouped = settings->group != 0 && traits->grouped_chains;
     return traits->chains && settings->weights == RF_WEIGHTS_EXACT &&
-           ( tile_pixels > 1 || grouped || rf_wants_light_paths( traits, settings ) ||
+           ( tile_pixels > 1 || grouped || traits->unlit || rf_wants_light_paths( traits, settings ) ||
              ( settings->aovs & RF_PASS_AOVS ) != 0 ); // which tell what is seen by them
 }
 

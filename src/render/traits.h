@@ -28,6 +28,7 @@ typedef struct RfSceneTraits
     int light_groups;         // that light is split by; 0: it is not
     int lamps_alone;          // lamps and skies that may do more; 0 where anything else does
     bool sharp;               // some surface may mirror a lamp (rf_may_be_sharp)
+    bool unlit;               // some surface is: mirrors and glass show it by chains alone
     bool grouped_chains;      // other frames can use what chains find
     int blur_steps;           // the most of the cameras' (RfEye.blur_steps); 0: what moves is not blurred
     bool scattered;           // the pixels of a batch lie apart: its one point of the lens is not to be seen
@@ -43,7 +44,8 @@ typedef struct RfSceneTraits
 // Whether batches have points of the lens and moments of the shutter.
 static inline bool rf_is_blurred( const RfSceneTraits* traits ) { return traits->lens || traits->shutter; }
 
-// Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find.
+// Whether camera rays go on through mirrors and glass: where the pixels of a tile, or other frames, can use what they find, and to
+// show what is unlit.
 bool rf_wants_chains( const RfSceneTraits* traits, const RfRenderSettings* settings, int tile_pixels );
 
 // Whether the light that mirrors and glass send on comes by light paths. Not through thin panes and partly transparent

@@ -76,7 +76,7 @@ bool rf_scene_light( const RfScene* scene, int index, RfLightInfo* info )
     else if ( index < scene->punctual_count + materials )
     {
         const RfMaterial* material = scene->materials + ( index - scene->punctual_count );
-        *info = ( RfLightInfo ){ .kind = "material", .name = material->name, .shines = is_bright( material->emission ) };
+        *info = ( RfLightInfo ){ .kind = "material", .name = material->name, .shines = rf_emits( material ) };
         tag = material->light_group;
     }
     else
@@ -120,7 +120,7 @@ static bool mark_shining( const Grouping* g )
     if ( used == NULL )
         return false;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
-        some = some || is_bright( scene->materials[i].emission ) || scene->materials[i].dims;
+        some = some || rf_emits( scene->materials + i ) || scene->materials[i].dims;
     if ( some )
         rf_mark_used_materials( scene, used );
     for ( int i = 0; rf_scene_light( scene, i, &light ); ++i )

@@ -209,7 +209,7 @@ static void leave_out_of_material( uint64_t set, RfMaterial* m )
         make_lambert( m );
     if ( m->kind >= RF_BSDF_FIRST_SPECULAR )
         leave_out_of_glass( set, m );
-    if ( leaves( set, RF_EFFECT_AREA_LIGHTS ) )
+    if ( leaves( set, RF_EFFECT_AREA_LIGHTS ) && !m->unlit )
         m->emission = s_black;
     if ( leaves( set, RF_EFFECT_TWO_SIDED_EMISSION ) )
         m->double_sided = false;
@@ -373,7 +373,7 @@ static bool has_dispersion( const RfMaterial* m ) { return m->kind == RF_BSDF_SP
 
 static bool has_absorption( const RfMaterial* m ) { return has_transmission( m ) && is_nonzero( m->absorption ); }
 
-static bool has_emission( const RfMaterial* m ) { return is_nonzero( m->emission ); }
+static bool has_emission( const RfMaterial* m ) { return rf_emits( m ); }
 
 static bool has_two_sided_emission( const RfMaterial* m ) { return is_nonzero( m->emission ) && m->double_sided; }
 

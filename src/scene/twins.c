@@ -39,7 +39,7 @@ typedef struct Search
     Pair pair[MOST_PAIRS + 1];
 } Search;
 
-static bool emits( const RfMaterial* m ) { return rf_max_component( m->emission ) > 0.0f; }
+static bool emits( const RfMaterial* m ) { return rf_emits( m ); }
 
 // Whether `b` is in the plane of `a`, as far as light samples, which end a little before a light, can tell.
 static bool is_level( const Emitter* a, const Emitter* b )

@@ -127,6 +127,7 @@ TEST( test_clearcoat_and_unlit )
     s = load_ok( ",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1,0.2,0.3,1]}" EXTENSIONS( "\"KHR_materials_unlit\":{}" ),
                  MESH, "" );
     assert_true( s.materials->kind == RF_BSDF_LAMBERT && near( s.materials->emission.y, 0.2 ) && s.materials->diffuse.y == 0.0f );
+    assert_true( s.materials->unlit && !rf_emits( s.materials ) );
     rf_destroy_scene( &s );
 }
 

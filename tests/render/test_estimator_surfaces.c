@@ -1,5 +1,5 @@
 // Groups, tiles, extra samples and light paths are unbiased in rooms with what lies over GGX or changes its lobe: sheen of constant
-// and of textured colour and roughness, over cloth and over metal; brushed metal; films; layers.
+// and of textured colour and roughness, over cloth and over metal; brushed metal; films; layers. All show the same of unlit surfaces.
 #include "support/rooms.h"
 #include "support/test.h"
 #include "support/unbiased.h"
@@ -156,4 +156,68 @@ TEST( test_light_paths )
     c.settings = g_connected + 1;
     c.setting_count = 1;
     check_chains( &c, scene );
+}
+
+static float largest( const Images* images, int pixel )
+{
+    float found = 0.0f;
+    for ( int k = 0; k < images->count; ++k )
+        found = rf_maxf( found, images->rgb[k][3 * pixel + 1] );
+    return found;
+}
+
+// A room without light, of which walls and lamps are unlit: the rest is black, but for what mirrors and glass show.
+static void check_unlit( const char* what, MirrorRoom kind )
+{
+    static const Setting s_settings[] = { { 3, 6, "3x3", RF_ADAPTIVE_OFF },
+                                          { 2, 8, "1", RF_ADAPTIVE_OFF },
+                                          { 0, 16, "rooks4", RF_ADAPTIVE_OFF } };
+    RfScene scene = make_mirror_room( kind );
+    for ( uint32_t i = 0; i < scene.material_count; ++i )
+    {
+        RfMaterial* m = scene.materials + i;
+        bool wall = m->kind == RF_BSDF_LAMBERT && i % 2 == 0;
+        m->emission = wall ? m->diffuse : m->emission;
+        m->diffuse = wall ? rf_vec3( 0, 0, 0 ) : m->diffuse;
+        m->unlit = wall || rf_max_component( m->emission ) > 0.0f;
+    }
+    RfTracer* tracer = make_tracer( &scene );
+    assert_false( rf_tracer_has_light( tracer ) );
+    RfEye eyes[EYES];
+    orbit_eyes( eyes, EYES, 6.0f, WIDTH, HEIGHT );
+    RfRenderSettings plain = plain_settings();
+    plain.spp = 32;
+    Images reference = rendered_images( tracer, eyes, EYES, 3, plain );
+    int black = 0, bright = 0;
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+    {
+        black += largest( &reference, i ) == 0.0f;
+        bright += largest( &reference, i ) > 0.1f;
+    }
+    if ( black < 10 || bright < 100 )
+        fail_msg( "%s: %d pixels are black, %d bright", what, black, bright );
+    for ( size_t i = 0; i < sizeof s_settings / sizeof s_settings[0]; ++i )
+    {
+        char name[64];
+        RfRenderSettings render = plain;
+        render.group = s_settings[i].group;
+        render.spp = s_settings[i].spp;
+        assert_true( rf_parse_tile( s_settings[i].tile, &render.tile ) );
+        snprintf( name, sizeof name, "unlit, %s, group %d tile %s:", what, render.group, s_settings[i].tile );
+        Images rendered = rendered_images( tracer, eyes, EYES, 3, render );
+        assert_unbiased( name, &rendered, &reference, BLOCK );
+        free_images( &rendered );
+    }
+    free_images( &reference );
+    rf_destroy_tracer( tracer );
+    rf_destroy_scene( &scene );
+}
+
+TEST( test_unlit_surfaces )
+{
+    check_unlit( "flat mirror", FLAT_MIRROR );
+    check_unlit( "mirror ball", MIRROR_BALL );
+    check_unlit( "glass ball", GLASS_BALL );
+    check_unlit( "panes", PANES_IN_A_ROW );
+    check_unlit( "smooth plastic", SMOOTH_PLASTIC );
 }

@@ -167,15 +167,26 @@ static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* pat
     }
 }
 
+// Something is seen without any light.
+static bool is_unlit( const RfScene* scene )
+{
+    bool found = false;
+    for ( uint32_t i = 0; i < scene->material_count; ++i )
+        found = found || scene->materials[i].unlit;
+    return found;
+}
+
 static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
 {
     if ( rf_triangle_count( scene ) == 0 )
         rf_warn( log, "%s: has no triangles, the picture will be %s", options->scene,
                  rf_tracer_has_light( tracer ) ? "sky alone" : "black" );
-    else if ( !rf_tracer_has_light( tracer ) && scene->punctual_count > 0 )
+    else if ( rf_tracer_has_light( tracer ) || is_unlit( scene ) )
+        return;
+    else if ( scene->punctual_count > 0 )
         rf_warn( log, "%s: none of its lamps has any power ('%.60s' is one of %d), no material emits, the picture will be black",
                  options->scene, scene->punctuals[0].name, scene->punctual_count );
-    else if ( !rf_tracer_has_light( tracer ) )
+    else
         rf_warn( log, "%s: has no lights (no material emits, no lamp, no environment), the picture will be black",
                  options->scene );
 }

@@ -238,6 +238,25 @@ static void add_met_emission( const RfPathSettings* path, const RfVertexLanes* f
     rf_add_emission_hits( path, rays, found, wavefront->scratch.triangle, pane_probability, to );
 }
 
+// Adds what unlit surfaces show to those that see them by mirrors and glass alone, unless it is kept with the vertices.
+static void add_unlit( const RfPathSettings* path, const RfVertexLanes* found, const bool* kept, bool reflected,
+                       RfWavefront* wavefront, const RfChains* chains )
+{
+    const RfMaterial* materials = rf_tracer_scene( path->tracer )->materials;
+    const RfRayLanes* rays = &wavefront->rays;
+    for ( int i = 0; i < rf_record_count( found ); ++i )
+    {
+        int r = found->ray[i], slot = found->slot[i],
+            part = rf_material_part( rf_tracer_lights( path->tracer ), found->material[i] );
+        if ( !materials[found->material[i]].unlit || ( kept != NULL && kept[i] ) || rays->pdf_solid_angle[r] < RF_DELTA_PDF )
+            continue;
+        int event = chains->event[slot] == RF_EVENT_NONE && reflected ? RF_EVENT_REFLECTION : chains->event[slot];
+        RfArrivals* to = arrivals_by( chains, rf_counts_in( path, part ), event, wavefront );
+        for ( int c = 0; c < 3; ++c )
+            to->rest[c][slot] += found->emission[c][i] * rays->throughput[c][r];
+    }
+}
+
 // Adds emission that split reflections hit.
 static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wavefront, RfChains* chains )
 {
@@ -246,6 +265,7 @@ static void add_reflected_emission( const RfPathSettings* path, RfWavefront* wav
         rf_find_vertices_past_panes( path, &wavefront->rays, 0, &wavefront->vertices, &wavefront->scratch );
     rf_absorb( &wavefront->vertices, &wavefront->rays );
     add_met_emission( path, &wavefront->vertices, pane_probability, true, wavefront, chains );
+    add_unlit( path, &wavefront->vertices, NULL, true, wavefront, chains );
 }
 
 // Advances the reflections to the mirrors and glass that they hit, the `vertex`-th vertices of their chains.
@@ -503,6 +523,7 @@ static void add_emission( const RfPathSettings* path, const float* pane_probabil
         found->light_pdf_solid_angle[i] = kept[i] ? 0.0f : found->light_pdf_solid_angle[i];
     }
     add_met_emission( path, found, pane_probability, false, wavefront, chains );
+    add_unlit( path, found, kept, false, wavefront, chains );
     for ( int i = 0; i < rf_record_count( found ); ++i )
     {
         for ( int c = 0; c < 3 && !kept[i]; ++c )
