@@ -61,13 +61,16 @@ static void keep_loss( void* user, const char* line )
 static RfResult report_result( const char* from, const char* to, const RfModelCounts* c, json_t* losses, RfError* error )
 {
     if ( !s_quiet && rf_prints_text( s_json ) )
-        rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights\n", to, c->triangles,
-                  c->meshes, c->materials, c->images, c->cameras, c->lights );
+        rf_print( "%s: %llu triangles in %d meshes, %d materials, %d images, %d cameras, %d lights, %d skins, %d morph targets, "
+                  "%d animations\n",
+                  to, c->triangles, c->meshes, c->materials, c->images, c->cameras, c->lights, c->skins, c->morphs,
+                  c->animations );
     if ( s_json == NULL )
         return rf_flush_output( error );
-    json_t* json = json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:O}", "source", rf_json_text( from ), "output",
-                              rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes", c->meshes, "nodes", c->nodes,
-                              "materials", c->materials, "images", c->images, "cameras", c->cameras, "lights", c->lights,
+    json_t* json = json_pack( "{s:o, s:o, s:I, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:i, s:O}", "source",
+                              rf_json_text( from ), "output", rf_json_text( to ), "triangles", (json_int_t)c->triangles, "meshes",
+                              c->meshes, "nodes", c->nodes, "materials", c->materials, "images", c->images, "cameras", c->cameras,
+                              "lights", c->lights, "skins", c->skins, "morphs", c->morphs, "animations", c->animations,
                               "warnings", (int)json_array_size( losses ), "losses", losses );
     return rf_write_json( s_json, json, error );
 }

@@ -164,8 +164,9 @@ static const char* read_messages( Messages* messages, RfModelCounts* counts, RfL
         else if ( strncmp( line, "lost: ", 6 ) == 0 )
             failure = line + 6;
         else if ( strncmp( line, "counts: ", 8 ) == 0 )
-            (void)sscanf( line + 8, "%llu %d %d %d %d %d %d", &counts->triangles, &counts->meshes, &counts->nodes,
-                          &counts->materials, &counts->images, &counts->cameras, &counts->lights );
+            (void)sscanf( line + 8, "%llu %d %d %d %d %d %d %d %d %d", &counts->triangles, &counts->meshes, &counts->nodes,
+                          &counts->materials, &counts->images, &counts->cameras, &counts->lights, &counts->skins, &counts->morphs,
+                          &counts->animations );
     }
     return failure;
 }

@@ -11,98 +11,6 @@
 #include <string.h>
 #include <unistd.h>
 
-RfModelMaterial rf_default_model_material( void )
-{
-    return ( RfModelMaterial ){
-        .base_color = { 1, 1, 1, 1 },
-        .roughness = 1.0f,
-        .specular = 1.0f,
-        .ior = 1.5f,
-        .alpha_cutoff = 0.5f,
-        .base_color_image = -1,
-        .normal_image = -1,
-        .emissive_image = -1,
-    };
-}
-
-static void free_mesh( RfModelMesh* mesh )
-{
-    free( mesh->name );
-    free( mesh->positions );
-    free( mesh->normals );
-    free( mesh->uvs );
-    free( mesh->colors );
-    free( mesh->indices );
-}
-
-void rf_destroy_model( RfModel* model )
-{
-    for ( int i = 0; model->meshes != NULL && i < model->mesh_count; ++i )
-        free_mesh( model->meshes + i );
-    for ( int i = 0; model->materials != NULL && i < model->material_count; ++i )
-        free( model->materials[i].name );
-    for ( int i = 0; model->images != NULL && i < model->image_count; ++i )
-    {
-        free( model->images[i].name );
-        free( model->images[i].bytes );
-    }
-    for ( int i = 0; model->cameras != NULL && i < model->camera_count; ++i )
-        free( model->cameras[i].name );
-    for ( int i = 0; model->lights != NULL && i < model->light_count; ++i )
-        free( model->lights[i].name );
-    for ( int i = 0; model->nodes != NULL && i < model->node_count; ++i )
-    {
-        free( model->nodes[i].name );
-        free( model->nodes[i].meshes );
-    }
-    free( model->meshes );
-    free( model->materials );
-    free( model->images );
-    free( model->cameras );
-    free( model->lights );
-    free( model->nodes );
-    memset( model, 0, sizeof *model );
-}
-
-RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfError* error )
-{
-    if ( !z_up && scale == 1.0 )
-        return RF_OK;
-    RfModelNode* nodes = malloc( ( (size_t)model->node_count + 1 ) * sizeof *nodes );
-    if ( nodes == NULL )
-        return rf_fail( error, RF_ERROR_MEMORY, "out of memory for %d nodes", model->node_count + 1 );
-    RfMat4 matrix = { { scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, scale, 0, 0, 0, 0, 1 } };
-    if ( z_up ) // x stays, z becomes y, y becomes −z
-        matrix = ( RfMat4 ){ { scale, 0, 0, 0, 0, 0, -scale, 0, 0, scale, 0, 0, 0, 0, 0, 1 } };
-    nodes[0] = ( RfModelNode ){ .name = NULL, .parent = -1, .matrix = matrix };
-    for ( int i = 0; i < model->node_count; ++i )
-    {
-        nodes[i + 1] = model->nodes[i];
-        nodes[i + 1].parent += 1; // the −1 of former roots becomes 0, the new node
-    }
-    free( model->nodes );
-    model->nodes = nodes;
-    model->node_count += 1;
-    for ( int i = 0; i < model->camera_count; ++i )
-        model->cameras[i].node += 1;
-    for ( int i = 0; i < model->light_count; ++i )
-        model->lights[i].node += 1;
-    return RF_OK;
-}
-
-RfModelCounts rf_count_model( const RfModel* model )
-{
-    RfModelCounts counts = { .meshes = model->mesh_count,
-                             .nodes = model->node_count,
-                             .materials = model->material_count,
-                             .images = model->image_count,
-                             .cameras = model->camera_count,
-                             .lights = model->light_count };
-    for ( int i = 0; i < model->mesh_count; ++i )
-        counts.triangles += model->meshes[i].triangle_count;
-    return counts;
-}
-
 // A byte range inside the model, not a copy.
 typedef struct RfGlbPart
 {
@@ -117,9 +25,11 @@ typedef struct RfGlbDocument
     json_t *accessors, *views, *meshes; // borrowed from root
     json_t* extensions;                 // the names of those that are used are its keys
     RfGlbPart* parts;                   // one per buffer view, each aligned to 4 bytes
-    int part_count;
+    int part_count, part_room;
     uint64_t size;    // of the buffer, padded
     int* lone_meshes; // per model mesh: the glTF mesh that holds only this one, or −1
+    int* skins;       // per model mesh: its skin
+    bool* moves;      // per node: whether an animation moves it
     bool failed;      // out of memory
 } RfGlbDocument;
 
@@ -155,6 +65,14 @@ static json_t* reals( RfGlbDocument* d, const float* values, int count )
 // NULL where there is none.
 static json_t* glb_name( RfGlbDocument* d, const char* name ) { return name != NULL ? made( d, rf_json_text( name ) ) : NULL; }
 
+// Adds the names of extensions, which are the keys of an object, to those that the document uses.
+static void use_extensions( RfGlbDocument* d, const json_t* extensions )
+{
+    const char* key;
+    json_t* unused;
+    json_object_foreach( (json_t*)extensions, key, unused ) set( d, d->extensions, key, json_true() );
+}
+
 static float emission_strength( const RfModelMaterial* m )
 {
     return fmaxf( fmaxf( m->emission[0], m->emission[1] ), fmaxf( m->emission[2], 1.0f ) );
@@ -166,10 +84,20 @@ static json_t* extension( RfGlbDocument* d, const char* factor, float value, flo
     return value != usual ? made( d, json_pack( "{s:f}", factor, (double)value ) ) : NULL;
 }
 
-// Texture i of the file uses image i of the model.
-static json_t* texture( RfGlbDocument* d, int image )
+// Texture i of the file uses image i of the model; those after them are the same, clamped.
+static json_t* texture( RfGlbDocument* d, const RfModelTexture* t )
 {
-    return image >= 0 ? made( d, json_pack( "{s:i}", "index", image ) ) : NULL;
+    if ( t->image < 0 )
+        return NULL;
+    json_t* object = made( d, json_pack( "{s:i}", "index", t->image + ( t->clamp ? d->model->image_count : 0 ) ) );
+    bool plain = t->scale[0] == 1.0f && t->scale[1] == 1.0f && t->offset[0] == 0.0f && t->offset[1] == 0.0f;
+    if ( plain || ( t->scale[0] == 0.0f && t->scale[1] == 0.0f ) )
+        return object;
+    json_t* extensions = made( d, json_pack( "{s:{s:o, s:o}}", "KHR_texture_transform", "offset", reals( d, t->offset, 2 ),
+                                             "scale", reals( d, t->scale, 2 ) ) );
+    use_extensions( d, extensions );
+    set( d, object, "extensions", extensions );
+    return object;
 }
 
 static json_t* glb_material( RfGlbDocument* d, const RfModelMaterial* m )
@@ -184,25 +112,17 @@ static json_t* glb_material( RfGlbDocument* d, const RfModelMaterial* m )
                                              extension( d, "specularFactor", m->specular, 1.0f ), "KHR_materials_ior",
                                              extension( d, "ior", m->ior, 1.5f ), "KHR_materials_transmission",
                                              extension( d, "transmissionFactor", m->transmission, 0.0f ) ) );
-    json_t* material =
-        made( d, json_pack( "{s:o*, s:{s:o, s:f, s:f, s:o*}, s:o*, s:o*, s:o*, s:s*, s:o*, s:o*, s:O*}", "name",
-                            glb_name( d, m->name ), "pbrMetallicRoughness", "baseColorFactor", reals( d, m->base_color, 4 ),
-                            "metallicFactor", (double)m->metallic, "roughnessFactor", (double)m->roughness, "baseColorTexture",
-                            texture( d, m->base_color_image ), "normalTexture", texture( d, m->normal_image ), "emissiveTexture",
-                            texture( d, m->emissive_image ), "emissiveFactor", shines ? reals( d, factor, 3 ) : NULL, "alphaMode",
-                            modes[m->alpha_mode], "alphaCutoff", masked ? made( d, json_real( (double)m->alpha_cutoff ) ) : NULL,
-                            "doubleSided", m->double_sided ? json_true() : NULL, "extensions",
-                            json_object_size( extensions ) > 0 ? extensions : NULL ) );
+    json_t* material = made(
+        d,
+        json_pack( "{s:o*, s:{s:o, s:f, s:f, s:o*}, s:o*, s:o*, s:o*, s:s*, s:o*, s:o*, s:O*}", "name", glb_name( d, m->name ),
+                   "pbrMetallicRoughness", "baseColorFactor", reals( d, m->base_color, 4 ), "metallicFactor", (double)m->metallic,
+                   "roughnessFactor", (double)m->roughness, "baseColorTexture", texture( d, &m->base_color_texture ),
+                   "normalTexture", texture( d, &m->normal_texture ), "emissiveTexture", texture( d, &m->emissive_texture ),
+                   "emissiveFactor", shines ? reals( d, factor, 3 ) : NULL, "alphaMode", modes[m->alpha_mode], "alphaCutoff",
+                   masked ? made( d, json_real( (double)m->alpha_cutoff ) ) : NULL, "doubleSided",
+                   m->double_sided ? json_true() : NULL, "extensions", json_object_size( extensions ) > 0 ? extensions : NULL ) );
     json_decref( extensions );
     return material;
-}
-
-// Adds the names of extensions, which are the keys of an object, to those that the document uses.
-static void use_extensions( RfGlbDocument* d, const json_t* extensions )
-{
-    const char* key;
-    json_t* unused;
-    json_object_foreach( (json_t*)extensions, key, unused ) set( d, d->extensions, key, json_true() );
 }
 
 // The two chunks of a .glb file: the JSON document, and the byte ranges of the
@@ -214,6 +134,8 @@ enum
     INDICES = 34963,  // ELEMENT_ARRAY_BUFFER
     FLOAT = 5126,     // component types
     UNSIGNED_INT = 5125,
+    UNSIGNED_SHORT = 5123,
+    CLAMP_TO_EDGE = 33071,
 };
 
 // A new array under `key` of the root, which owns it; NULL if out of memory.
@@ -227,6 +149,16 @@ static json_t* root_array( RfGlbDocument* d, const char* key )
 // Adds a byte range and its buffer view; returns the index of the view.
 static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int target )
 {
+    if ( d->part_count == d->part_room )
+    {
+        int room = d->part_room > 0 ? 2 * d->part_room : 64;
+        RfGlbPart* more = realloc( d->parts, (size_t)room * sizeof *more );
+        d->failed |= more == NULL;
+        if ( more == NULL )
+            return 0;
+        d->parts = more;
+        d->part_room = room;
+    }
     int index = d->part_count++;
     d->parts[index] = ( RfGlbPart ){ bytes, size };
     json_t* view = json_pack( "{s:i, s:I, s:I}", "buffer", 0, "byteOffset", (json_int_t)d->size, "byteLength", (json_int_t)size );
@@ -237,23 +169,26 @@ static int add_part( RfGlbDocument* d, const void* bytes, uint64_t size, int tar
     return index;
 }
 
-static json_t* add_accessor( RfGlbDocument* d, const void* bytes, uint64_t count, const char* type, int width, bool indices )
+// A table of numbers, 4 bytes each. Returns the accessor, which is the last one.
+static json_t* add_accessor( RfGlbDocument* d, const void* bytes, uint64_t count, const char* type, int width, int target )
 {
-    int view = add_part( d, bytes, count * (uint64_t)width * 4, indices ? INDICES : VERTICES );
-    json_t* accessor = json_pack( "{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType", indices ? UNSIGNED_INT : FLOAT,
-                                  "count", (json_int_t)count, "type", type );
+    int view = add_part( d, bytes, count * (uint64_t)width * 4, target );
+    json_t* accessor = json_pack( "{s:i, s:i, s:I, s:s}", "bufferView", view, "componentType",
+                                  target == INDICES ? UNSIGNED_INT : FLOAT, "count", (json_int_t)count, "type", type );
     append( d, d->accessors, accessor );
     return accessor;
 }
 
-static void set_bounds( RfGlbDocument* d, json_t* accessor, const RfModelMesh* mesh )
+static json_t* last_accessor( const RfGlbDocument* d ) { return json_integer( (json_int_t)json_array_size( d->accessors ) - 1 ); }
+
+static void set_bounds( RfGlbDocument* d, json_t* accessor, const float* positions, uint32_t count )
 {
     float low[3], high[3];
-    memcpy( low, mesh->positions, sizeof low );
-    memcpy( high, mesh->positions, sizeof high );
-    for ( uint64_t i = 0; i < 3ull * mesh->vertex_count; ++i )
+    memcpy( low, positions, sizeof low );
+    memcpy( high, positions, sizeof high );
+    for ( uint64_t i = 0; i < 3ull * count; ++i )
     {
-        float value = mesh->positions[i];
+        float value = positions[i];
         int axis = (int)( i % 3 );
         low[axis] = value < low[axis] ? value : low[axis];
         high[axis] = value > high[axis] ? value : high[axis];
@@ -262,13 +197,59 @@ static void set_bounds( RfGlbDocument* d, json_t* accessor, const RfModelMesh* m
     set( d, accessor, "max", reals( d, high, 3 ) );
 }
 
+static void add_positions( RfGlbDocument* d, json_t* attributes, const float* positions, uint32_t count )
+{
+    set_bounds( d, add_accessor( d, positions, count, "VEC3", 3, VERTICES ), positions, count );
+    set( d, attributes, "POSITION", last_accessor( d ) );
+}
+
+// Joints and weights of the vertices, four by four: the second four only where they count.
+static void add_influences( RfGlbDocument* d, json_t* attributes, const RfModelMesh* mesh )
+{
+    static const char* const names[2][2] = { { "JOINTS_0", "WEIGHTS_0" }, { "JOINTS_1", "WEIGHTS_1" } };
+    uint32_t count = mesh->vertex_count;
+    bool more = false;
+    for ( size_t i = 0; i < count; ++i )
+        more = more || mesh->skin->weights[RF_MODEL_INFLUENCES * i + 4] > 0.0f;
+    int joints = add_part( d, mesh->skin->influences, (uint64_t)count * RF_MODEL_INFLUENCES * 2, VERTICES );
+    set( d, json_array_get( d->views, (size_t)joints ), "byteStride", json_integer( RF_MODEL_INFLUENCES * 2 ) );
+    int weights = add_part( d, mesh->skin->weights, (uint64_t)count * RF_MODEL_INFLUENCES * 4, VERTICES );
+    set( d, json_array_get( d->views, (size_t)weights ), "byteStride", json_integer( RF_MODEL_INFLUENCES * 4 ) );
+    for ( int i = 0; i < ( more ? 2 : 1 ); ++i )
+    {
+        const int views[2] = { joints, weights }, sizes[2] = { 8, 16 }, types[2] = { UNSIGNED_SHORT, FLOAT };
+        for ( int k = 0; k < 2; ++k )
+        {
+            append( d, d->accessors,
+                    json_pack( "{s:i, s:i, s:i, s:I, s:s}", "bufferView", views[k], "byteOffset", i * sizes[k], "componentType",
+                               types[k], "count", (json_int_t)count, "type", "VEC4" ) );
+            set( d, attributes, names[i][k], last_accessor( d ) );
+        }
+    }
+}
+
+static json_t* make_targets( RfGlbDocument* d, const RfModelMesh* mesh )
+{
+    json_t* targets = json_array();
+    for ( int i = 0; i < mesh->morph_count; ++i )
+    {
+        json_t* target = json_object();
+        add_positions( d, target, mesh->morphs[i].positions, mesh->vertex_count );
+        if ( mesh->normals != NULL && mesh->morphs[i].normals != NULL )
+        {
+            add_accessor( d, mesh->morphs[i].normals, mesh->vertex_count, "VEC3", 3, VERTICES );
+            set( d, target, "NORMAL", last_accessor( d ) );
+        }
+        append( d, targets, target );
+    }
+    return targets;
+}
+
 // The primitive of a model mesh, as JSON, with its accessors.
 static json_t* make_primitive( RfGlbDocument* d, const RfModelMesh* mesh )
 {
     json_t* attributes = json_object();
-    int next = (int)json_array_size( d->accessors );
-    set( d, attributes, "POSITION", json_integer( next++ ) );
-    set_bounds( d, add_accessor( d, mesh->positions, mesh->vertex_count, "VEC3", 3, false ), mesh );
+    add_positions( d, attributes, mesh->positions, mesh->vertex_count );
     const struct
     {
         const float* values;
@@ -281,11 +262,15 @@ static json_t* make_primitive( RfGlbDocument* d, const RfModelMesh* mesh )
     {
         if ( more[i].values == NULL )
             continue;
-        set( d, attributes, more[i].name, json_integer( next++ ) );
-        add_accessor( d, more[i].values, mesh->vertex_count, more[i].type, more[i].width, false );
+        add_accessor( d, more[i].values, mesh->vertex_count, more[i].type, more[i].width, VERTICES );
+        set( d, attributes, more[i].name, last_accessor( d ) );
     }
-    add_accessor( d, mesh->indices, 3ull * mesh->triangle_count, "SCALAR", 1, true );
-    json_t* primitive = json_pack( "{s:o, s:i}", "attributes", attributes, "indices", next );
+    if ( mesh->skin != NULL )
+        add_influences( d, attributes, mesh );
+    json_t* targets = mesh->morph_count > 0 ? make_targets( d, mesh ) : NULL;
+    add_accessor( d, mesh->indices, 3ull * mesh->triangle_count, "SCALAR", 1, INDICES );
+    json_t* primitive =
+        json_pack( "{s:o, s:o, s:o*}", "attributes", attributes, "indices", last_accessor( d ), "targets", targets );
     if ( mesh->material >= 0 )
         set( d, primitive, "material", json_integer( mesh->material ) );
     return primitive;
@@ -304,7 +289,14 @@ static int mesh_of_node( RfGlbDocument* d, json_t* primitives, const RfModelNode
         if ( json_array_append( list, json_array_get( primitives, (size_t)node->meshes[i] ) ) != 0 )
             d->failed = true;
     }
-    json_t* mesh = json_pack( "{s:o, s:o*}", "primitives", list, "name", glb_name( d, d->model->meshes[node->meshes[0]].name ) );
+    const RfModelMesh* first = d->model->meshes + node->meshes[0];
+    json_t* mesh = json_pack( "{s:o, s:o*}", "primitives", list, "name", glb_name( d, first->name ) );
+    json_t* names = json_array();
+    for ( int i = 0; i < first->morph_count; ++i )
+        append( d, names, first->morphs[i].name != NULL ? glb_name( d, first->morphs[i].name ) : json_string( "" ) );
+    if ( first->morph_count > 0 )
+        set( d, mesh, "extras", json_pack( "{s:O}", "targetNames", names ) );
+    json_decref( names );
     int index = (int)json_array_size( d->meshes );
     append( d, d->meshes, mesh );
     if ( lone >= 0 )
@@ -322,18 +314,54 @@ static bool is_identity( const RfMat4* matrix )
     return true;
 }
 
+// The skin of a mesh, which all nodes with it share.
+static int add_skin( RfGlbDocument* d, const RfModelSkin* skin )
+{
+    json_t* skins = json_object_get( d->root, "skins" );
+    if ( skins == NULL )
+        skins = root_array( d, "skins" );
+    json_t* joints = json_array();
+    for ( int i = 0; i < skin->joint_count; ++i )
+        append( d, joints, json_integer( skin->joints[i] ) );
+    add_accessor( d, skin->inverse_binds, (uint64_t)skin->joint_count, "MAT4", 16, 0 );
+    append( d, skins, json_pack( "{s:o, s:o}", "joints", joints, "inverseBindMatrices", last_accessor( d ) ) );
+    return (int)json_array_size( skins ) - 1;
+}
+
+static json_t* doubles( RfGlbDocument* d, const double* values, int count )
+{
+    json_t* array = json_array();
+    for ( int i = 0; i < count; ++i )
+        append( d, array, json_real( values[i] ) );
+    return array;
+}
+
+// A node that an animation moves has translation, rotation and scale instead of a matrix.
+static void set_parts( RfGlbDocument* d, json_t* object, const RfMat4* matrix )
+{
+    double t[3], q[4], s[3];
+    rf_split_matrix( matrix, t, q, s );
+    set( d, object, "translation", doubles( d, t, 3 ) );
+    set( d, object, "rotation", doubles( d, q, 4 ) );
+    set( d, object, "scale", doubles( d, s, 3 ) );
+}
+
 static void add_node( RfGlbDocument* d, json_t* nodes, json_t* roots, json_t* primitives, const RfModelNode* node )
 {
     json_t* object = json_pack( "{s:o*}", "name", glb_name( d, node->name ) );
-    if ( !is_identity( &node->matrix ) )
+    const RfModelMesh* mesh = node->mesh_count == 1 ? d->model->meshes + node->meshes[0] : NULL;
+    if ( d->moves[node - d->model->nodes] )
+        set_parts( d, object, &node->matrix );
+    else if ( !is_identity( &node->matrix ) )
     {
-        json_t* matrix = json_array();
-        for ( int i = 0; i < 16; ++i )
-            append( d, matrix, json_real( node->matrix.m[i] ) );
-        set( d, object, "matrix", matrix );
+        set( d, object, "matrix", doubles( d, node->matrix.m, 16 ) );
     }
     if ( node->mesh_count > 0 )
         set( d, object, "mesh", json_integer( mesh_of_node( d, primitives, node ) ) );
+    if ( mesh != NULL && node->weights != NULL )
+        set( d, object, "weights", reals( d, node->weights, mesh->morph_count ) );
+    if ( mesh != NULL && mesh->skin != NULL )
+        set( d, object, "skin", json_integer( d->skins[node->meshes[0]] ) );
     int index = (int)json_array_size( nodes );
     append( d, nodes, object );
     if ( node->parent < 0 )
@@ -362,7 +390,10 @@ static void add_nodes( RfGlbDocument* d )
         d->meshes = root_array( d, "meshes" );
     }
     for ( int i = 0; i < model->mesh_count && !d->failed; ++i )
+    {
         append( d, primitives, make_primitive( d, model->meshes + i ) );
+        d->skins[i] = model->meshes[i].skin != NULL ? add_skin( d, model->meshes[i].skin ) : -1;
+    }
     json_t* nodes = model->node_count > 0 ? root_array( d, "nodes" ) : NULL;
     for ( int i = 0; i < model->node_count && !d->failed; ++i )
         add_node( d, nodes, roots, primitives, model->nodes + i );
@@ -399,6 +430,16 @@ static void add_materials( RfGlbDocument* d )
             json_pack( "{s:i, s:s, s:o*}", "bufferView", view, "mimeType", image->mime, "name", glb_name( d, image->name ) ) );
         append( d, textures, json_pack( "{s:i}", "source", i ) );
     }
+    bool clamps = false;
+    for ( int i = 0; i < model->material_count; ++i )
+    {
+        const RfModelMaterial* m = model->materials + i;
+        clamps = clamps || m->base_color_texture.clamp || m->normal_texture.clamp || m->emissive_texture.clamp;
+    }
+    for ( int i = 0; clamps && i < model->image_count; ++i )
+        append( d, textures, json_pack( "{s:i, s:i}", "source", i, "sampler", 0 ) );
+    if ( clamps && model->image_count > 0 )
+        set( d, d->root, "samplers", json_pack( "[{s:i, s:i}]", "wrapS", CLAMP_TO_EDGE, "wrapT", CLAMP_TO_EDGE ) );
 }
 
 static void add_cameras( RfGlbDocument* d )
@@ -409,9 +450,15 @@ static void add_cameras( RfGlbDocument* d )
     for ( int i = 0; i < model->camera_count && !d->failed; ++i )
     {
         const RfModelCamera* camera = model->cameras + i;
-        append( d, cameras,
-                json_pack( "{s:s, s:{s:f, s:f}, s:o*}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear", 0.01,
-                           "name", glb_name( d, camera->name ) ) );
+        json_t* name = glb_name( d, camera->name );
+        if ( camera->xmag > 0.0 )
+            append( d, cameras,
+                    json_pack( "{s:s, s:{s:f, s:f, s:f, s:f}, s:o*}", "type", "orthographic", "orthographic", "xmag",
+                               camera->xmag, "ymag", camera->ymag, "znear", 0.0, "zfar", 1e6, "name", name ) );
+        else
+            append( d, cameras,
+                    json_pack( "{s:s, s:{s:f, s:f}, s:o*}", "type", "perspective", "perspective", "yfov", camera->yfov, "znear",
+                               0.01, "name", name ) );
         set( d, json_array_get( nodes, (size_t)camera->node ), "camera", json_integer( i ) );
     }
 }
@@ -443,6 +490,54 @@ static void add_lights( RfGlbDocument* d )
     json_decref( lights );
 }
 
+static void add_animation( RfGlbDocument* d, json_t* animations, const RfModelAnimation* animation )
+{
+    static const char* const paths[] = { "translation", "rotation", "scale", "weights" };
+    json_t *samplers = json_array(), *channels = json_array();
+    for ( int i = 0; i < animation->track_count; ++i )
+    {
+        const RfModelTrack* track = animation->tracks + i;
+        uint64_t keys = (uint64_t)track->key_count, values = keys;
+        const char* type = track->path == RF_MODEL_ROTATION ? "VEC4" : "VEC3";
+        int width = track->width;
+        if ( track->path == RF_MODEL_WEIGHTS )
+        {
+            type = "SCALAR";
+            values *= (uint64_t)width;
+            width = 1;
+        }
+        json_t* times = add_accessor( d, track->times, keys, "SCALAR", 1, 0 );
+        set( d, times, "min", reals( d, track->times, 1 ) );
+        set( d, times, "max", reals( d, track->times + keys - 1, 1 ) );
+        json_t* input = last_accessor( d );
+        add_accessor( d, track->values, values, type, width, 0 );
+        append( d, samplers, json_pack( "{s:o, s:o}", "input", input, "output", last_accessor( d ) ) );
+        append( d, channels,
+                json_pack( "{s:i, s:{s:i, s:s}}", "sampler", i, "target", "node", track->node, "path", paths[track->path] ) );
+    }
+    append( d, animations,
+            json_pack( "{s:o, s:o, s:o*}", "samplers", samplers, "channels", channels, "name", glb_name( d, animation->name ) ) );
+}
+
+static void add_animations( RfGlbDocument* d )
+{
+    const RfModel* model = d->model;
+    json_t* animations = model->animation_count > 0 ? root_array( d, "animations" ) : NULL;
+    for ( int i = 0; i < model->animation_count && !d->failed; ++i )
+        add_animation( d, animations, model->animations + i );
+}
+
+// Whether each node has a track that moves it.
+static void find_moves( RfGlbDocument* d )
+{
+    for ( int i = 0; i < d->model->animation_count; ++i )
+    {
+        const RfModelAnimation* animation = d->model->animations + i;
+        for ( int k = 0; k < animation->track_count; ++k )
+            d->moves[animation->tracks[k].node] |= animation->tracks[k].path != RF_MODEL_WEIGHTS;
+    }
+}
+
 static void add_extensions( RfGlbDocument* d )
 {
     const char* name;
@@ -455,9 +550,10 @@ static RfResult make_glb_document( const RfModel* model, RfGlbDocument* d, RfErr
 {
     size_t meshes = (size_t)model->mesh_count, images = (size_t)model->image_count;
     *d = ( RfGlbDocument ){ .model = model, .root = json_object(), .extensions = json_object() };
-    d->parts = calloc( 5 * meshes + images + 1, sizeof *d->parts );
     d->lone_meshes = malloc( ( meshes + 1 ) * sizeof *d->lone_meshes );
-    d->failed = d->root == NULL || d->extensions == NULL || d->parts == NULL || d->lone_meshes == NULL;
+    d->skins = malloc( ( meshes + 1 ) * sizeof *d->skins );
+    d->moves = calloc( (size_t)model->node_count + 1, sizeof *d->moves );
+    d->failed = d->root == NULL || d->extensions == NULL || d->lone_meshes == NULL || d->skins == NULL || d->moves == NULL;
     for ( size_t i = 0; i < meshes && !d->failed; ++i )
         d->lone_meshes[i] = -1;
     if ( !d->failed )
@@ -465,9 +561,11 @@ static RfResult make_glb_document( const RfModel* model, RfGlbDocument* d, RfErr
         set( d, d->root, "asset", json_pack( "{s:s, s:s}", "version", "2.0", "generator", "reframe convert" ) );
         d->views = meshes + images > 0 ? root_array( d, "bufferViews" ) : NULL;
         add_materials( d );
+        find_moves( d );
         add_nodes( d );
         add_cameras( d );
         add_lights( d );
+        add_animations( d );
         add_extensions( d );
         if ( d->size > 0 )
             set( d, d->root, "buffers", json_pack( "[{s:I}]", "byteLength", (json_int_t)d->size ) );
@@ -481,112 +579,9 @@ static void destroy_glb_document( RfGlbDocument* d )
     json_decref( d->extensions );
     free( d->parts );
     free( d->lone_meshes );
+    free( d->skins );
+    free( d->moves );
     *d = ( RfGlbDocument ){ 0 };
-}
-
-static bool all_finite( const float* values, uint64_t count )
-{
-    for ( uint64_t i = 0; values != NULL && i < count; ++i )
-    {
-        if ( !isfinite( values[i] ) )
-            return false;
-    }
-    return true;
-}
-
-static RfResult check_mesh( const RfModel* model, int index, RfError* error )
-{
-    const RfModelMesh* mesh = model->meshes + index;
-    const char* name = mesh->name != NULL ? mesh->name : "";
-    uint64_t vertices = mesh->vertex_count, corners = 3ull * mesh->triangle_count;
-    if ( vertices == 0 || corners == 0 || mesh->positions == NULL || mesh->indices == NULL )
-        return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': has no triangles", index, name );
-    if ( mesh->material < -1 || mesh->material >= model->material_count )
-        return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': there is no material %d", index, name, mesh->material );
-    if ( !all_finite( mesh->positions, 3 * vertices ) || !all_finite( mesh->normals, 3 * vertices ) ||
-         !all_finite( mesh->uvs, 2 * vertices ) || !all_finite( mesh->colors, 4 * vertices ) )
-        return rf_fail( error, RF_ERROR_FORMAT,
-                        "mesh %d '%s': has coordinates that are not finite numbers: repair the file it came from", index, name );
-    for ( uint64_t i = 0; i < corners; ++i )
-    {
-        if ( mesh->indices[i] >= vertices )
-            return rf_fail( error, RF_ERROR_FORMAT, "mesh %d '%s': triangle %llu: there is no vertex %lu", index, name,
-                            (unsigned long long)( i / 3 ), (unsigned long)mesh->indices[i] );
-    }
-    return RF_OK;
-}
-
-static bool within( float value, float low, float high )
-{
-    return value >= low && value <= high; // false for NaN
-}
-
-static RfResult check_material( const RfModel* model, int index, RfError* error )
-{
-    const RfModelMaterial* m = model->materials + index;
-    bool good = within( m->metallic, 0, 1 ) && within( m->roughness, 0, 1 ) && within( m->specular, 0, 1 ) &&
-                within( m->transmission, 0, 1 ) && within( m->alpha_cutoff, 0, 1 ) && m->ior >= 1.0f && isfinite( m->ior );
-    for ( int i = 0; i < 4; ++i )
-        good = good && within( m->base_color[i], 0, 1 );
-    for ( int i = 0; i < 3; ++i )
-        good = good && m->emission[i] >= 0.0f && isfinite( m->emission[i] );
-    const int images[3] = { m->base_color_image, m->normal_image, m->emissive_image };
-    for ( int i = 0; i < 3; ++i )
-        good = good && images[i] >= -1 && images[i] < model->image_count;
-    if ( good )
-        return RF_OK;
-    return rf_fail( error, RF_ERROR_FORMAT, "material %d '%s': has a value that glTF cannot hold", index,
-                    m->name != NULL ? m->name : "" );
-}
-
-static RfResult check_node( const RfModel* model, int index, RfError* error )
-{
-    const RfModelNode* node = model->nodes + index;
-    bool good = node->parent >= -1 && node->parent < index;
-    for ( int i = 0; i < 16; ++i )
-        good = good && isfinite( node->matrix.m[i] );
-    for ( int i = 0; i < node->mesh_count; ++i )
-        good = good && node->meshes[i] >= 0 && node->meshes[i] < model->mesh_count;
-    if ( good )
-        return RF_OK;
-    return rf_fail( error, RF_ERROR_FORMAT, "node %d '%s': its parent, matrix or meshes are out of range", index,
-                    node->name != NULL ? node->name : "" );
-}
-
-static RfResult check_lights_and_cameras( const RfModel* model, RfError* error )
-{
-    for ( int i = 0; i < model->camera_count; ++i )
-    {
-        const RfModelCamera* camera = model->cameras + i;
-        if ( !( camera->yfov > 0.0 && camera->yfov < 3.14159265 ) || camera->node < 0 || camera->node >= model->node_count )
-            return rf_fail( error, RF_ERROR_FORMAT, "camera %d: its field of view or node is out of range", i );
-    }
-    for ( int i = 0; i < model->light_count; ++i )
-    {
-        const RfModelLight* light = model->lights + i;
-        bool good =
-            light->node >= 0 && light->node < model->node_count && light->intensity >= 0.0f && isfinite( light->intensity );
-        for ( int k = 0; k < 3; ++k )
-            good = good && within( light->color[k], 0, 1 );
-        if ( light->kind == RF_MODEL_SPOT )
-            good =
-                good && light->inner_angle >= 0.0f && light->inner_angle < light->outer_angle && light->outer_angle <= 1.5707964f;
-        if ( !good )
-            return rf_fail( error, RF_ERROR_FORMAT, "light %d: has a value that glTF cannot hold", i );
-    }
-    return RF_OK;
-}
-
-// Rejects a model that glTF cannot represent; the message names the part.
-static RfResult check_model( const RfModel* model, RfError* error )
-{
-    for ( int i = 0; i < model->mesh_count; ++i )
-        RF_TRY( check_mesh( model, i, error ) );
-    for ( int i = 0; i < model->material_count; ++i )
-        RF_TRY( check_material( model, i, error ) );
-    for ( int i = 0; i < model->node_count; ++i )
-        RF_TRY( check_node( model, i, error ) );
-    return check_lights_and_cameras( model, error );
 }
 
 static void put_u32( uint8_t* at, uint64_t value )
@@ -640,7 +635,7 @@ static RfResult append_all( RfAtomicFile* file, const RfGlbDocument* document, c
 
 RfResult rf_append_glb( RfAtomicFile* file, const RfModel* model, RfError* error )
 {
-    RF_TRY( check_model( model, error ) );
+    RF_TRY( rf_check_model( model, error ) );
     RfGlbDocument document;
     RfResult result = make_glb_document( model, &document, error );
     if ( result == RF_OK )

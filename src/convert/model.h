@@ -9,6 +9,26 @@
 #include "reframe/convert.h"
 #include "reframe/error.h"
 
+#define RF_MODEL_INFLUENCES 8 // joints of a vertex
+
+// The joints that a mesh hangs on; indices of nodes, each once.
+typedef struct RfModelSkin
+{
+    int joint_count;
+    int* joints;
+    float* inverse_binds; // a matrix per joint, column-major
+    uint16_t* influences; // RF_MODEL_INFLUENCES per vertex: indices into `joints`
+    float* weights;       // as many, largest first, 1 in all
+} RfModelSkin;
+
+// A morph target: what is added at a weight of 1.
+typedef struct RfModelMorph
+{
+    char* name;
+    float* positions; // 3 per vertex
+    float* normals;   // 3 per vertex, or NULL
+} RfModelMorph;
+
 // Triangles of one material.
 typedef struct RfModelMesh
 {
@@ -21,7 +41,18 @@ typedef struct RfModelMesh
     uint32_t triangle_count;
     uint32_t* indices; // 3 per triangle, front face counter-clockwise
     int material;      // index of a material, or −1
+    RfModelSkin* skin; // or NULL; a mesh with skin or morph targets is the only one of its nodes
+    int morph_count;
+    RfModelMorph* morphs;
 } RfModelMesh;
+
+// An image at scale · uv + offset; with a scale of zeros, at uv.
+typedef struct RfModelTexture
+{
+    int image; // index of an image, or −1
+    bool clamp;
+    float scale[2], offset[2];
+} RfModelTexture;
 
 typedef struct RfModelMaterial
 {
@@ -40,9 +71,7 @@ typedef struct RfModelMaterial
         RF_MODEL_BLEND
     } alpha_mode;
     bool double_sided;
-    int base_color_image; // index of an image, or −1
-    int normal_image;
-    int emissive_image;
+    RfModelTexture base_color_texture, normal_texture, emissive_texture;
 } RfModelMaterial;
 
 // An encoded PNG or JPEG file.
@@ -57,7 +86,8 @@ typedef struct RfModelImage
 typedef struct RfModelCamera
 {
     char* name;
-    double yfov; // radians
+    double yfov;       // radians
+    double xmag, ymag; // half the width and height of an orthographic one, in metres; else 0
     int node;
 } RfModelCamera;
 
@@ -84,17 +114,43 @@ typedef struct RfModelNode
     RfMat4 matrix;
     int mesh_count;
     int* meshes;
+    float* weights; // one per morph target of its mesh; or NULL: 0
 } RfModelNode;
+
+// What moves one value of a node, linearly between keys.
+typedef struct RfModelTrack
+{
+    int node;
+    enum
+    {
+        RF_MODEL_TRANSLATION,
+        RF_MODEL_ROTATION,
+        RF_MODEL_SCALE,
+        RF_MODEL_WEIGHTS
+    } path;
+    int key_count;
+    int width;     // values per key: 3, 4, or one per morph target
+    float* times;  // seconds, ascending from 0
+    float* values; // rotations as quaternions x y z w
+} RfModelTrack;
+
+typedef struct RfModelAnimation
+{
+    char* name;
+    int track_count;
+    RfModelTrack* tracks;
+} RfModelAnimation;
 
 typedef struct RfModel
 {
-    int mesh_count, material_count, image_count, camera_count, light_count, node_count;
+    int mesh_count, material_count, image_count, camera_count, light_count, node_count, animation_count;
     RfModelMesh* meshes;
     RfModelMaterial* materials;
     RfModelImage* images;
     RfModelCamera* cameras;
     RfModelLight* lights;
     RfModelNode* nodes;
+    RfModelAnimation* animations;
 } RfModel;
 
 // A white, rough dielectric without images.
@@ -103,10 +159,16 @@ RfModelMaterial rf_default_model_material( void );
 // Frees all arrays and clears the struct.
 void rf_destroy_model( RfModel* model );
 
+// Takes a matrix apart, in its best approximation where it shears: translation, rotation (x y z w), scale.
+void rf_split_matrix( const RfMat4* matrix, double translation[3], double rotation[4], double scale[3] );
+
 // Adds a root node above all others that scales by `scale` and, with `z_up`, rotates a
 // Z-up model to Y-up. Adds none for the identity. RF_ERROR_MEMORY leaves the model
 // unchanged.
 RfResult rf_apply_root_transform( RfModel* model, bool z_up, double scale, RfError* error );
+
+// Rejects what glTF cannot hold; the message names the part.
+RfResult rf_check_model( const RfModel* model, RfError* error );
 
 // Counts the parts of a model.
 RfModelCounts rf_count_model( const RfModel* model );

@@ -419,14 +419,18 @@ static void close_document( RfGltf* gltf )
     rf_gltf_free_changes( gltf );
 }
 
-static RfResult load_around( const double origin[3], const char* path, const RfGltfOptions* options, RfScene* scene, RfLog* log,
-                             RfError* error )
+// `again`: where the first time, which has warned of all else, found it far out.
+static RfResult load_around( const double origin[3], const char* path, const RfGltfOptions* options, bool again, RfScene* scene,
+                             RfLog* log, RfError* error )
 {
     memset( scene, 0, sizeof *scene );
     memcpy( scene->origin, origin, sizeof scene->origin );
-    RfGltf gltf = {
-        .path = path, .scene = scene, .log = log, .error = rf_begin_reading( error ), .default_material = -1, .variant = -1
-    };
+    RfGltf gltf = { .path = path,
+                    .scene = scene,
+                    .log = again ? NULL : log,
+                    .error = rf_begin_reading( error ),
+                    .default_material = -1,
+                    .variant = -1 };
     gltf.freeze = options->freeze;
     gltf.options = options;
     scene->path = strdup( path );
@@ -442,6 +446,10 @@ static RfResult load_around( const double origin[3], const char* path, const RfG
     }
     if ( result == RF_OK )
         result = read_document( &gltf );
+    // far out, floats may leave triangles without area that have one around the middle
+    double middle[3];
+    if ( result == RF_OK && gltf.degenerate > 0 && ( again || options->origin != NULL || !find_origin( scene, middle ) ) )
+        rf_gltf_warn_of_degenerate( &gltf, log, gltf.degenerate, &gltf.first_degenerate );
     close_document( &gltf );
     if ( result != RF_OK )
         rf_destroy_scene( scene );
@@ -454,11 +462,11 @@ RfResult rf_load_gltf_with( const char* path, const RfGltfOptions* options, RfSc
     double origin[3] = { 0 };
     if ( options->origin != NULL )
         memcpy( origin, options->origin, sizeof origin );
-    RfResult result = load_around( origin, path, options, scene, log, error );
+    RfResult result = load_around( origin, path, options, false, scene, log, error );
     if ( result != RF_OK || options->origin != NULL || !find_origin( scene, origin ) )
         return result;
     rf_destroy_scene( scene );
-    return load_around( origin, path, options, scene, NULL, error );
+    return load_around( origin, path, options, true, scene, log, error );
 }
 
 RfResult rf_load_gltf( const char* path, RfScene* scene, RfLog* log, RfError* error )

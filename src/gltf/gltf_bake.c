@@ -608,11 +608,11 @@ void rf_gltf_finish_baker( RfGltfBaker* baker )
     }
 }
 
-void rf_gltf_warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker )
+void rf_gltf_warn_of_degenerate( const RfGltf* gltf, RfLog* log, uint64_t count, const RfWhere* first )
 {
-    if ( baker->degenerate > 0 )
-        rf_warn( gltf->log, "%s: %llu triangles without area are dropped, the first in %s", gltf->path,
-                 (unsigned long long)baker->degenerate, baker->first_degenerate.text );
+    if ( count > 0 )
+        rf_warn( log, "%s: %llu triangles without area are dropped, the first in %s", gltf->path, (unsigned long long)count,
+                 first->text );
 }
 
 // Meshes in their own space: all primitives of one, for what moves.
@@ -713,6 +713,6 @@ RfResult rf_gltf_read_shape( RfGltf* gltf, const RfGltfShape* shape, RfMesh* out
         out->deformation->flat = reader.flat;
     else
         free( reader.flat );
-    rf_gltf_warn_of_degenerate( gltf, &reader.baker );
+    rf_gltf_warn_of_degenerate( gltf, gltf->log, reader.baker.degenerate, &reader.baker.first_degenerate );
     return result;
 }

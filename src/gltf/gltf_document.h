@@ -118,6 +118,12 @@ typedef struct RfGltfUse
 
 #define RF_GLTF_NOTICES 32 // kinds of warnings
 
+// A formatted name, for `where`.
+typedef struct RfWhere
+{
+    char text[160];
+} RfWhere;
+
 typedef struct RfGltf
 {
     const char* path;
@@ -145,6 +151,8 @@ typedef struct RfGltf
     size_t profile_values; // of all lights, which each read their own
     RfResult lost;         // why the last image that cannot be read cannot be
     bool plays;            // a texture of some material is an image sequence
+    uint64_t degenerate;   // triangles without area that were dropped
+    RfWhere first_degenerate;
 
     RfGltfBuffer* buffers;
     RfGltfAccessor* accessors; // of the file, then those of compressed meshes
@@ -187,12 +195,6 @@ static inline bool rf_gltf_make_affine( double m[16] )
     m[15] = 1.0;
     return true;
 }
-
-// A formatted name, for `where`.
-typedef struct RfWhere
-{
-    char text[160];
-} RfWhere;
 
 // Formats a name.
 RfWhere rf_where( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
@@ -468,7 +470,7 @@ RfResult rf_gltf_bake( RfGltf* gltf, RfGltfBaker* baker, const RfGltfPrimitive* 
 void rf_gltf_finish_baker( RfGltfBaker* baker );
 
 // Says how many triangles were dropped, if any.
-void rf_gltf_warn_of_degenerate( const RfGltf* gltf, const RfGltfBaker* baker );
+void rf_gltf_warn_of_degenerate( const RfGltf* gltf, RfLog* log, uint64_t count, const RfWhere* first );
 
 // The instances of a node's mesh and their transforms within the node; a single one without
 // the extension (gltf_node.c).

@@ -395,7 +395,8 @@ RfResult rf_gltf_load_meshes( RfGltf* gltf )
     rf_gltf_finish_baker( &baker );
     scene->bounds_min = baker.bounds_min;
     scene->bounds_max = baker.bounds_max;
-    rf_gltf_warn_of_degenerate( gltf, &baker );
+    gltf->degenerate = baker.degenerate;
+    gltf->first_degenerate = baker.first_degenerate;
     free( worlds );
     if ( result == RF_OK )
         result = rf_finish_placements( scene, gltf->error );

@@ -56,11 +56,11 @@ static bool read_embedded( RfImport* import, const char* name, uint8_t** bytes, 
 static bool read_beside( RfImport* import, const char* name, uint8_t** bytes, size_t* size )
 {
     char path[8192];
-    int folder = (int)( file_name_of( import->path ) - import->path );
-    snprintf( path, sizeof path, "%.*s%s", *name == '/' ? 0 : folder, import->path, name );
+    int folder = (int)( file_name_of( import->source->path ) - import->source->path );
+    snprintf( path, sizeof path, "%.*s%s", *name == '/' ? 0 : folder, import->source->path, name );
     if ( rf_read_file( path, IMAGE_LIMIT, bytes, size, NULL ) == RF_OK )
         return true;
-    snprintf( path, sizeof path, "%.*s%s", folder, import->path, file_name_of( name ) );
+    snprintf( path, sizeof path, "%.*s%s", folder, import->source->path, file_name_of( name ) );
     return rf_read_file( path, IMAGE_LIMIT, bytes, size, NULL ) == RF_OK;
 }
 
@@ -173,7 +173,7 @@ static RfPhong read_phong( const RfImport* import, const struct aiMaterial* from
     float strength = get_float( from, "$mat.emissiveIntensity", 1 );
     for ( int i = 0; i < 3; ++i )
         p.emission[i] = p.emission[i] * strength > 0.0f && isfinite( p.emission[i] * strength ) ? p.emission[i] * strength : 0.0f;
-    if ( import->format == RF_SOURCE_OBJ )
+    if ( import->source->format == RF_SOURCE_OBJ )
         p.illumination = get_int( from, "$mat.illum", -1 );
     return p;
 }
@@ -246,6 +246,32 @@ static void set_physical( RfModelMaterial* m, const struct aiMaterial* from, boo
         m->metallic = rf_clamp01( metallic );
 }
 
+// Whether Blender wrote the file, whose reflectivity is how metallic a material is.
+static bool is_by_blender( const RfImport* import )
+{
+    const struct aiMetadata* data = import->scene->mMetaData;
+    for ( unsigned i = 0; data != NULL && i < data->mNumProperties; ++i )
+    {
+        const struct aiMetadataEntry* entry = data->mValues + i;
+        if ( entry->mType == AI_AISTRING && entry->mData != NULL && strcmp( data->mKeys[i].data, "SourceAsset_Generator" ) == 0 )
+            return strncmp( ( (const struct aiString*)entry->mData )->data, "Blender", 7 ) == 0;
+    }
+    return import->source->binds_at_rest;
+}
+
+// Reflectivity of FBX and Collada, which has no place in glTF unless it means metal.
+static void set_reflection( const RfImport* import, RfModelMaterial* m, const struct aiMaterial* from )
+{
+    float color[3] = { 0, 0, 0 }, amount = get_float( from, "$mat.reflectivity", 0 );
+    if ( amount <= 0.0f || ( import->source->format != RF_SOURCE_FBX && import->source->format != RF_SOURCE_COLLADA ) )
+        return;
+    if ( is_by_blender( import ) )
+        m->metallic = rf_clamp01( amount );
+    else if ( get_color( from, "$clr.reflective", color ) && largest( color ) > 0.0f && m->metallic == 0.0f )
+        rf_warn( import->log, "material '%s': its reflection of %.3g is left out: give it a metallic factor",
+                 m->name != NULL ? m->name : "", (double)( amount * largest( color ) ) );
+}
+
 // The file name of the first texture of a kind; false if there is none.
 static bool get_texture( const struct aiMaterial* from, enum aiTextureType type, struct aiString* name )
 {
@@ -254,27 +280,60 @@ static bool get_texture( const struct aiMaterial* from, enum aiTextureType type,
            name->length > 0;
 }
 
-static int take_texture( RfImport* import, const struct aiMaterial* from, enum aiTextureType type )
+// Names what of the placement of a texture is left out.
+static void name_placement( const RfImport* import, const struct aiMaterial* from, enum aiTextureType type, const char* material )
+{
+    struct aiUVTransform t = { .mScaling = { 1, 1 } };
+    int channel = 0;
+    bool moved = aiGetMaterialUVTransform( from, "$tex.uvtrafo", (unsigned)type, 0, &t ) == aiReturn_SUCCESS &&
+                 ( t.mScaling.x != 1.0f || t.mScaling.y != 1.0f || t.mTranslation.x != 0.0f || t.mTranslation.y != 0.0f ||
+                   t.mRotation != 0.0f );
+    if ( moved )
+        rf_warn( import->log,
+                 "material '%s': its texture is scaled by %.4g %.4g, moved by %.4g %.4g and turned in the file: this is left out",
+                 material, (double)t.mScaling.x, (double)t.mScaling.y, (double)t.mTranslation.x, (double)t.mTranslation.y );
+    if ( aiGetMaterialIntegerArray( from, "$tex.uvwsrc", (unsigned)type, 0, &channel, NULL ) == aiReturn_SUCCESS && channel > 0 )
+        rf_warn( import->log, "material '%s': its texture is at the coordinates of set %d: it is put at the first", material,
+                 channel + 1 );
+}
+
+// The texture of a kind; `slot` is that of RF_FACT_MAP.
+static RfModelTexture take_texture( RfImport* import, const struct aiMaterial* from, enum aiTextureType type,
+                                    const char* material, int slot )
 {
     struct aiString name;
-    return get_texture( from, type, &name ) ? import_image( import, name.data ) : -1;
+    RfModelTexture texture = { .image = get_texture( from, type, &name ) ? import_image( import, name.data ) : -1 };
+    if ( texture.image < 0 )
+        return texture;
+    const RfFact* map = rf_find_fact( import->source, RF_FACT_MAP, material, slot );
+    if ( map != NULL )
+    {
+        for ( int i = 0; i < 2; ++i )
+            texture.scale[i] = (float)map->values[i];
+        texture.offset[0] = (float)map->values[2];
+        texture.offset[1] = (float)( 1.0 - map->values[1] - map->values[3] ); // v points down in glTF
+        texture.clamp = map->values[4] != 0.0;
+    }
+    else if ( import->source->format != RF_SOURCE_OBJ )
+        name_placement( import, from, type, material );
+    return texture;
 }
 
 static void set_textures( RfImport* import, RfModelMaterial* m, const struct aiMaterial* from )
 {
     struct aiString name, opacity;
     const char* called = m->name != NULL ? m->name : "";
-    m->base_color_image = take_texture( import, from, aiTextureType_DIFFUSE );
-    if ( m->base_color_image < 0 )
-        m->base_color_image = take_texture( import, from, aiTextureType_BASE_COLOR );
-    m->normal_image = take_texture( import, from, aiTextureType_NORMALS );
-    m->emissive_image = take_texture( import, from, aiTextureType_EMISSIVE );
-    if ( m->emissive_image >= 0 && largest( m->emission ) == 0.0f )
+    m->base_color_texture = take_texture( import, from, aiTextureType_DIFFUSE, called, 0 );
+    if ( m->base_color_texture.image < 0 )
+        m->base_color_texture = take_texture( import, from, aiTextureType_BASE_COLOR, called, 0 );
+    m->normal_texture = take_texture( import, from, aiTextureType_NORMALS, called, 1 );
+    m->emissive_texture = take_texture( import, from, aiTextureType_EMISSIVE, called, 2 );
+    if ( m->emissive_texture.image >= 0 && largest( m->emission ) == 0.0f )
         m->emission[0] = m->emission[1] = m->emission[2] = 1.0f;
     if ( get_texture( from, aiTextureType_OPACITY, &opacity ) )
     {
         bool same = get_texture( from, aiTextureType_DIFFUSE, &name ) && strcmp( name.data, opacity.data ) == 0;
-        if ( same && m->base_color_image >= 0 )
+        if ( same && m->base_color_texture.image >= 0 )
             m->alpha_mode = RF_MODEL_BLEND; // the alpha channel of the colour texture
         else
             rf_warn( import->log, "material '%s': its opacity texture is left out: put it into the colour's alpha", called );
@@ -296,7 +355,8 @@ static void take_material( RfImport* import, const struct aiMaterial* from, RfMo
     if ( set_glass( m, &p ) )
         p.opacity = 1.0f;
     set_opacity( import, m, &p );
-    set_physical( m, from, import->format == RF_SOURCE_OBJ );
+    set_physical( m, from, import->source->format == RF_SOURCE_OBJ );
+    set_reflection( import, m, from );
     memcpy( m->emission, p.emission, sizeof m->emission );
     if ( p.ior > 1.0f && p.ior < 10.0f )
         m->ior = p.ior;

@@ -29,11 +29,11 @@ typedef struct RfConvertOptions
 // Y up, scale 1, 4 GiB, 120 s.
 RfConvertOptions rf_default_convert_options( void );
 
-// What is in a model, instances counted once.
+// What is in a model, instances counted once; `morphs` are morph targets.
 typedef struct RfModelCounts
 {
     unsigned long long triangles;
-    int meshes, nodes, materials, images, cameras, lights;
+    int meshes, nodes, materials, images, cameras, lights, skins, morphs, animations;
 } RfModelCounts;
 
 // Reads `source`, whose format is recognised by its content, and writes `target`, which must end in ".glb", whole

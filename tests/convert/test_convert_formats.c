@@ -74,15 +74,15 @@ TEST_WITHIN( test_placement_arrives, convert_enter, convert_leave )
     assert_true( convert_near( scene.triangles.normals[1], 1 ) );
 }
 
-#define COLLADA( optics )                                                                                                        \
+#define COLLADA( kind, optics, points )                                                                                          \
     "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\">"                  \
     "<asset><unit name=\"half\" meter=\"0.5\"/><up_axis>Z_UP</up_axis></asset>"                                                  \
-    "<library_cameras><camera id=\"eye\" name=\"eye\"><optics><technique_common><perspective>" optics                            \
-    "<znear>0.1</znear><zfar>100</zfar></perspective></technique_common></optics></camera></library_cameras>"                    \
+    "<library_cameras><camera id=\"eye\" name=\"eye\"><optics><technique_common><" kind ">" optics                               \
+    "<znear>0.1</znear><zfar>100</zfar></" kind "></technique_common></optics></camera></library_cameras>"                       \
     "<library_lights><light id=\"spot\" name=\"spot\"><technique_common><spot><color>4 2 2</color>"                              \
     "<falloff_angle>60</falloff_angle></spot></technique_common></light></library_lights>"                                       \
     "<library_geometries><geometry id=\"g\" name=\"g\"><mesh><source id=\"p\">"                                                  \
-    "<float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 0 1</float_array><technique_common>"                                       \
+    "<float_array id=\"pa\" count=\"9\">" points "</float_array><technique_common>"                                              \
     "<accessor source=\"#pa\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"     \
     "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"                                                  \
     "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\">"                          \
@@ -92,6 +92,8 @@ TEST_WITHIN( test_placement_arrives, convert_enter, convert_leave )
     "<node id=\"eye\" name=\"eye\"><translate>0 -5 1</translate><rotate>1 0 0 90</rotate><instance_camera url=\"#eye\"/></node>" \
     "<node id=\"lamp\" name=\"lamp\"><translate>0 0 4</translate><instance_light url=\"#spot\"/></node>"                         \
     "</visual_scene></library_visual_scenes><scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+
+#define POINTS "0 0 0 1 0 0 0 0 1"
 
 // The way of a node up to the root.
 static RfMat4 world_of( const RfScene* scene, int node )
@@ -108,7 +110,7 @@ static RfMat4 world_of( const RfScene* scene, int node )
 
 TEST_WITHIN( test_collada_arrives, convert_enter, convert_leave )
 {
-    convert_write( "c.dae", COLLADA( "<xfov>60</xfov><aspect_ratio>2</aspect_ratio>" ) );
+    convert_write( "c.dae", COLLADA( "perspective", "<xfov>60</xfov><aspect_ratio>2</aspect_ratio>", POINTS ) );
     cli_expect( cli_run( "$R convert c.dae c.glb" ), 0, "candela or lux" );
     RfScene scene = convert_load( "c.glb" );
     assert_int_equal( scene.triangles.count, 1 );
@@ -127,13 +129,18 @@ TEST_WITHIN( test_collada_arrives, convert_enter, convert_leave )
     convert_assert_point( &lamp->intensity.x, 4, 2, 2 );
     assert_true( convert_near( lamp->cos_outer, cos( 0.5235987755982988 ) ) );
     rf_destroy_scene( &scene );
-    // of yfov with its aspect the angle is the file's own; what assimp computes wrongly is dropped
-    convert_write( "d.dae", COLLADA( "<yfov>40</yfov><aspect_ratio>2</aspect_ratio>" ) );
+    convert_write( "d.dae", COLLADA( "perspective", "<yfov>40</yfov>", POINTS ) ); // without a ratio assimp has no angle
     cli_expect( cli_run( "$R convert d.dae d.glb --quiet" ), 0, NULL );
     scene = convert_load( "d.glb" );
     assert_true( convert_near( scene.cameras->yfov, 40 * 3.14159265358979 / 180 ) );
     rf_destroy_scene( &scene );
-    convert_write( "e.dae", COLLADA( "<xfov>60</xfov><yfov>40</yfov>" ) );
+    convert_write( "o.dae", COLLADA( "orthographic", "<xmag>3</xmag><aspect_ratio>2</aspect_ratio>", POINTS ) );
+    cli_expect( cli_run( "$R convert o.dae o.glb --scale 2 --quiet" ), 0, NULL );
+    scene = convert_load( "o.glb" );
+    assert_int_equal( scene.cameras->projection, RF_ORTHOGRAPHIC );
+    assert_true( convert_near( scene.cameras->ymag, 1.5 ) ); // half of what is seen, in units of half a metre, twice
+    rf_destroy_scene( &scene );
+    convert_write( "e.dae", COLLADA( "perspective", "<xfov>60</xfov>", POINTS ) );
     const CliResult* run = cli_run( "$R convert e.dae e.glb" );
     assert_int_equal( run->status, 0 );
     assert_non_null( strstr( run->err, "camera 'eye': is left out: its field of view is unknown" ) );
@@ -289,4 +296,181 @@ TEST_WITHIN( test_vertex_colours_arrive, convert_enter, convert_leave )
     assert_non_null( scene.triangles.colors );
     convert_assert_point( scene.triangles.colors, 1, 0.214041, 0 );               // linear
     assert_true( convert_near( scene.materials->textured->factors.base[0], 1 ) ); // and not darkened by assimp's grey
+}
+
+// An FBX file of two figures whose bones have one name: a square of which the upper half hangs on a bone at its middle, and a
+// square three metres to the right with a shape that moves its upper side up by two, half of it before it is animated.
+#define FBX_FIGURE( id, x )                                                                                                      \
+    "Geometry: " id "1, \"Geometry::m\", \"Mesh\" {\nVertices: *12 {\na: 0,0,0,1,0,0,1,2,0,0,2,0\n}\n"                           \
+    "PolygonVertexIndex: *4 {\na: 0,1,2,-4\n}\n}\n"                                                                              \
+    "Model: " id "2, \"Model::square" id "\", \"Mesh\" {\nProperties70: {\n"                                                     \
+    "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\"," x ",0,0\n}\n}\n"                                                 \
+    "Model: " id "3, \"Model::bone\", \"LimbNode\" {\nProperties70: {\n"                                                         \
+    "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\"," x ",1,0\n}\n}\n"                                                 \
+    "Deformer: " id "4, \"Deformer::s\", \"Skin\" {\n}\n"                                                                        \
+    "Deformer: " id "5, \"SubDeformer::c\", \"Cluster\" {\nIndexes: *2 {\na: 2,3\n}\nWeights: *2 {\na: 1,1\n}\n"                 \
+    "Transform: *16 {\na: 1,0,0,0,0,1,0,0,0,0,1,0,0,-1,0,1\n}\n"                                                                 \
+    "TransformLink: *16 {\na: 1,0,0,0,0,1,0,0,0,0,1,0," x ",1,0,1\n}\n}\n"
+#define FBX_FIGURE_LINKS( id )                                                                                                   \
+    "C: \"OO\"," id "2,0\nC: \"OO\"," id "1," id "2\nC: \"OO\"," id "3,0\n"                                                      \
+    "C: \"OO\"," id "4," id "1\nC: \"OO\"," id "5," id "4\nC: \"OO\"," id "3," id "5\n"
+#define FBX_CURVE( id, from, to )                                                                                                \
+    "AnimationCurve: " id ", \"AnimCurve::\", \"\" {\nKeyVer: 4008\nKeyTime: *2 {\na: 0,46186158000\n}\n"                        \
+    "KeyValueFloat: *2 {\na: " from "," to "\n}\nKeyAttrFlags: *1 {\na: 24840\n}\n}\n"
+
+static const char s_figures[] =
+    "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
+    "GlobalSettings: {\nVersion: 1000\nProperties70: {\nP: \"UnitScaleFactor\", \"double\", \"Number\", \"\",100\n}\n}\n"
+    "Objects: {\n" FBX_FIGURE( "1", "0" ) FBX_FIGURE(
+        "2", "3" ) "Deformer: 30, \"Deformer::b\", \"BlendShape\" {\n}\n"
+                   "Deformer: 31, \"SubDeformer::tall\", \"BlendShapeChannel\" {\nDeformPercent: 50\n}\n"
+                   "Geometry: 32, \"Geometry::tall\", \"Shape\" {\nIndexes: *2 {\na: 2,3\n}\nVertices: *6 {\na: 0,2,0,0,2,0\n}\n"
+                   "Normals: *6 {\na: 0,0,0,0,0,0\n}\n}\n"
+                   "AnimationStack: 50, \"AnimStack::take\", \"\" {\n}\nAnimationLayer: 51, \"AnimLayer::base\", \"\" {\n}\n"
+                   "AnimationCurveNode: 52, \"AnimCurveNode::R\", \"\" {\n}\n" FBX_CURVE(
+                       "53", "0",
+                       "90" ) "%s}\n" // animation of the shape
+                              "Connections: {\n" FBX_FIGURE_LINKS( "1" ) FBX_FIGURE_LINKS(
+                                  "2" ) "C: \"OO\",30,21\nC: \"OO\",31,30\nC: \"OO\",32,31\nC: \"OO\",51,50\nC: \"OO\",52,51\n"
+                                        "C: \"OP\",52,13, \"Lcl Rotation\"\nC: \"OP\",53,52, \"d|Z\"\n%s}\n";
+
+// That the box of all shapes is this at a time.
+static void assert_box( const RfScene* scene, double time, const double want[6] )
+{
+    AUTO_POSE pose = gltf_pose_at( scene, time );
+    double box[6] = { 1e9, 1e9, 1e9, -1e9, -1e9, -1e9 };
+    for ( int i = -1; i < pose.scene.placement_count; ++i ) // −1: what stands still
+    {
+        const RfPlacement* placement = pose.scene.placements + i;
+        const RfTriangles* t = i < 0 ? &pose.scene.triangles : &pose.scene.meshes[placement->mesh].triangles;
+        const RfMat4 same = rf_mat4_identity();
+        for ( uint32_t v = 0; v < 3 * t->count; ++v )
+        {
+            const float* p = t->positions + 3 * (size_t)t->indices[v];
+            double local[3] = { (double)p[0], (double)p[1], (double)p[2] }, at[3];
+            rf_mat4_apply( i < 0 ? &same : &placement->matrix, local, 1.0, at );
+            for ( int k = 0; k < 3; ++k )
+            {
+                box[k] = fmin( box[k], at[k] );
+                box[3 + k] = fmax( box[3 + k], at[k] );
+            }
+        }
+    }
+    for ( int k = 0; k < 6; ++k )
+    {
+        if ( fabs( box[k] - want[k] ) > 1e-4 )
+            fail_msg( "at %g s number %d of the box is %g, not %g", time, k, box[k], want[k] );
+    }
+}
+
+TEST_WITHIN( test_fbx_figures_move, convert_enter, convert_leave )
+{
+    char text[16384];
+    snprintf( text, sizeof text, s_figures, "", "" );
+    convert_write( "f.fbx", text );
+    const CliResult* run = cli_run( "$R convert f.fbx f.glb" );
+    cli_expect( run, 0, NULL );
+    assert_non_null( strstr( run->out, "2 skins, 1 morph targets, 1 animations" ) );
+    assert_non_null( strstr( run->err, "1 curves of animations are cubic or stepped" ) );
+    RfScene scene = convert_load( "f.glb" );
+    assert_box( &scene, 0.0, ( const double[] ){ 0, 0, 0, 4, 3, 0 } );
+    assert_box( &scene, 1.0, ( const double[] ){ -1, 0, 0, 4, 3, 0 } ); // only the bone of the left one turns
+    rf_destroy_scene( &scene );
+    snprintf( text, sizeof text, s_figures,
+              "AnimationCurveNode: 62, \"AnimCurveNode::DeformPercent\", \"\" {\n}\n" FBX_CURVE( "63", "0", "100" ),
+              "C: \"OO\",62,51\nC: \"OP\",62,31, \"DeformPercent\"\nC: \"OP\",63,62, \"d|DeformPercent\"\n" );
+    convert_write( "g.fbx", text );
+    cli_expect( cli_run( "$R convert g.fbx g.glb --quiet" ), 0, NULL );
+    scene = convert_load( "g.glb" );
+    assert_box( &scene, 0.0, ( const double[] ){ 0, 0, 0, 4, 2, 0 } );
+    assert_box( &scene, 1.0, ( const double[] ){ -1, 0, 0, 4, 4, 0 } );
+    rf_destroy_scene( &scene );
+}
+
+// clang-format off
+#define SQUARE( id, top )                                                                                                        \
+    "<geometry id='" id "' name='" id "'><mesh><source id='" id "p'><float_array id='" id "a' count='12'>"                       \
+    "0 0 0 1 0 0 1 " top " 0 0 " top " 0</float_array><technique_common><accessor source='#" id "a' count='4' stride='3'>"       \
+    "<param name='X' type='float'/><param name='Y' type='float'/><param name='Z' type='float'/></accessor>"                      \
+    "</technique_common></source><vertices id='" id "v'><input semantic='POSITION' source='#" id "p'/></vertices>"               \
+    "<triangles count='2'><input semantic='VERTEX' source='#" id "v' offset='0'/><p>0 1 2 0 2 3</p></triangles>"                 \
+    "</mesh></geometry>"
+#define SOURCE( id, kind, count, values, stride, type )                                                                          \
+    "<source id='" id "'><" kind " id='" id "a' count='" count "'>" values "</" kind "><technique_common>"                       \
+    "<accessor source='#" id "a' count='1' stride='" stride "'><param type='" type "'/></accessor></technique_common></source>"
+#define KEYS( id, times, values, target )                                                                                        \
+    "<animation id='" id "'><source id='" id "t'><float_array id='" id "ta' count='2'>" times "</float_array><technique_common>" \
+    "<accessor source='#" id "ta' count='2' stride='1'><param type='float'/></accessor></technique_common></source>"             \
+    "<source id='" id "v'><float_array id='" id "va' count='2'>" values "</float_array><technique_common>"                       \
+    "<accessor source='#" id "va' count='2' stride='1'><param type='float'/></accessor></technique_common></source>"             \
+    "<sampler id='" id "s'><input semantic='INPUT' source='#" id "t'/><input semantic='OUTPUT' source='#" id "v'/></sampler>"    \
+    "<channel source='#" id "s' target='" target "'/></animation>"
+
+// A skin over morph targets, whose joint has the name of one of another skeleton, and turns.
+static const char s_skin_over_morph[] =
+    "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema' version='1.4.1'>"
+    "<asset><up_axis>Y_UP</up_axis></asset><library_geometries>%s%s</library_geometries><library_controllers>"
+    "<controller id='m'><morph source='#low' method='NORMALIZED'>"
+    SOURCE( "mt", "IDREF_array", "1", "high", "1", "IDREF" )
+    SOURCE( "mw", "float_array", "1", "0.5", "1", "float" )
+    "<targets><input semantic='MORPH_TARGET' source='#mt'/><input semantic='MORPH_WEIGHT' source='#mw'/></targets>"
+    "</morph></controller><controller id='s'><skin source='#m'>"
+    "<bind_shape_matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</bind_shape_matrix>"
+    SOURCE( "sj", "Name_array", "1", "hip", "1", "name" )
+    SOURCE( "sb", "float_array", "16", "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1", "16", "float4x4" )
+    SOURCE( "sw", "float_array", "1", "1", "1", "float" )
+    "<joints><input semantic='JOINT' source='#sj'/><input semantic='INV_BIND_MATRIX' source='#sb'/></joints>"
+    "<vertex_weights count='4'><input semantic='JOINT' source='#sj' offset='0'/>"
+    "<input semantic='WEIGHT' source='#sw' offset='1'/><vcount>1 1 1 1</vcount><v>0 0 0 0 0 0 0 0</v></vertex_weights>"
+    "</skin></controller></library_controllers><library_animations>"
+    KEYS( "a", "0 1", "0 90", "b_hip/turn.ANGLE" )
+    KEYS( "w", "0 2", "0.5 1", "mw(0)" )
+    "</library_animations><library_visual_scenes><visual_scene id='v'>"
+    "<node id='a_hip' sid='hip' type='JOINT'><translate>0 0 7</translate></node>"
+    "<node id='b_hip' sid='hip' type='JOINT'><rotate sid='turn'>0 0 1 0</rotate></node>"
+    "<node id='n'><instance_controller url='#s'><skeleton>#b_hip</skeleton></instance_controller></node>"
+    "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#v'/></scene></COLLADA>";
+// clang-format on
+
+TEST_WITHIN( test_collada_figure_moves, convert_enter, convert_leave )
+{
+    char text[8192];
+    snprintf( text, sizeof text, s_skin_over_morph, SQUARE( "low", "2" ), SQUARE( "high", "4" ) );
+    convert_write( "c.dae", text );
+    cli_expect( cli_run( "$R convert c.dae c.glb --quiet" ), 0, NULL );
+    AUTO_SCENE scene = convert_load( "c.glb" );
+    assert_box( &scene, 0.0, ( const double[] ){ 0, 0, 0, 1, 3, 0 } );
+    assert_box( &scene, 1.0, ( const double[] ){ -3.5, 0, 0, 0, 1, 0 } );
+}
+
+// assimp has positions as floats: at 5400 km they are half a metre apart.
+TEST_WITHIN( test_far_places_keep_their_digits, convert_enter, convert_leave )
+{
+    convert_write( "a.obj", "v 500000.125 5400000.25 100\nv 500000.25 5400000.25 100\nv 500000.25 5400000.5 100.125\nf 1 2 3\n" );
+    const CliResult* run = cli_run( "$R convert a.obj a.glb --quiet && $R info a.glb" );
+    cli_expect( run, 0, NULL );
+    assert_null( strstr( run->err, "without area" ) );
+    AUTO_SCENE scene = convert_load( "a.glb" );
+    assert_int_equal( scene.triangles.count, 1 );
+    double low = (double)scene.bounds_min.x + scene.origin[0], size = (double)( scene.bounds_max.y - scene.bounds_min.y );
+    assert_true( low == 500000.125 && size == 0.25 );
+    convert_write( "c.dae", COLLADA( "perspective", "<yfov>40</yfov>", "8e6 0 0 8000000.25 0 0 8e6 0 0.25" ) );
+    cli_expect( cli_run( "$R convert c.dae c.glb --quiet" ), 0, NULL );
+    size_t length;
+    AUTO_FREE char* bytes = cli_read( "c.glb", &length );
+    assert_non_null( strstr( bytes + 20, "\"min\":[0.0,0.0,0.0],\"max\":[0.25,0.0,0.25]" ) );
+    assert_non_null( strstr( bytes + 20, "8000000.0,0.0,0.0,1.0],\"mesh\":0" ) );
+}
+
+TEST_WITHIN( test_texture_options_arrive, convert_enter, convert_leave )
+{
+    convert_write_obj();
+    convert_write( "b.obj", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n" );
+    convert_write( "b.mtl", "newmtl m\nmap_Kd -s 2 4 1 -o 0.5 0.25 0 -clamp on -mm 0 2 wall.png\n" );
+    cli_expect( cli_run( "$R convert b.obj b.glb" ), 0, "material 'm': the option -mm of its texture is left out" );
+    size_t size;
+    AUTO_FREE char* bytes = cli_read( "b.glb", &size );
+    const char* json = bytes + 20;
+    assert_non_null( strstr( json, "\"KHR_texture_transform\":{\"offset\":[0.5,-3.25],\"scale\":[2.0,4.0]}" ) );
+    assert_non_null( strstr( json, "\"samplers\":[{\"wrapS\":33071,\"wrapT\":33071}]" ) );
 }
