@@ -35,8 +35,8 @@ typedef struct RfShot
     int frame_count;
 } RfShot;
 
-// The settings as a render of this shot will use them: the group chosen by the plan
-// (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO) and cut to
+// The settings as a render of this shot will use them: group and tile chosen by the plan
+// (reframe/plan.h: some thousand paths are traced for RF_GROUP_AUTO and RF_TILE_AUTO), the group cut to
 // the path, spp rounded up to what its groups need, threads and memory filled
 // in, the width of the filter, normalisation that the weights allow, RF_ADAPTIVE_AUTO off where no frame can
 // have extra samples. Rendering with the result is the same as with the settings. The frames of

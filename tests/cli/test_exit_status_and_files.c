@@ -124,7 +124,7 @@ TEST( test_usage_errors_exit_2 )
                 "reframe render: --spp: expected a whole number from 1 to 1048576, got '0'" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --smp 3" ), 2, "did you mean --spp?" );
     cli_expect( cli_run( "$R render one.gltf -o a.png" ), 2, "expected a name that ends in .exr" );
-    cli_expect( cli_run( "$R render one.gltf -o a.exr --tile 3x" ), 2, "--tile: expected 1, WxH such as 3x3, or rooksN" );
+    cli_expect( cli_run( "$R render one.gltf -o a.exr --tile 3x" ), 2, "--tile: expected auto, 1, WxH such as 3x3, or rooksN" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --half --float" ), 2, "only one of the two" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --frames 2" ), 2, "the camera's path has 1 frame" );
     cli_expect( cli_run( "$R render one.gltf -o a.exr --camera Nobody" ), 2, "Nobody" );

@@ -55,7 +55,7 @@ TEST( test_frames_are_those_of_the_sequence )
 TEST( test_a_failure_leaves_whole_files )
 {
     write_scene( "b.glb", 2.1f, 2.2f, 3e15f );
-    cli_expect( cli_run( "$R render b.glb -o b.####.exr --frames 1-20 --fps 7 --group 0 " OPTIONS ), 1,
+    cli_expect( cli_run( "$R render b.glb -o b.####.exr --frames 1-20 --fps 7 --group 0 --tile 1 " OPTIONS ), 1,
                 "object 'plate' at 2.14286 s" );
     cli_expect( cli_run( "test -e b.0015.exr && ! test -e b.0016.exr && ls b.*.exr | wc -l | grep -q '^15$'" ), 0, NULL );
     cli_expect( cli_run( "for f in b.*.exr; do $R png $f $f.png || exit 1; done" ), 0, NULL );

@@ -66,7 +66,7 @@ TEST( test_render_faults )
         { "{\"threads\":3}", "scene.json: render.threads: unknown key" },
         { "{\"seed\":-1}", "scene.json: render.seed: must be a whole number from 0" },
         { "{\"noise\":\"0.01\"}", "scene.json: render.noise: must be a relMSE from 0 to 1e+06, or the noise of a channel" },
-        { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected 1, WxH such as 3x3, or rooksN" },
+        { "{\"tile\":\"9x9\"}", "scene.json: render.tile: expected auto, 1, WxH such as 3x3, or rooksN" },
         { "{\"aov\":\"depht\"}", "scene.json: render.aov: unknown AOV 'depht', did you mean depth?" },
         { "{\"aov\":\"depth,depth\"}", "scene.json: render.aov: AOV depth is given twice" },
         { "{\"cryptomatte\":\"objekt\"}", "scene.json: render.cryptomatte: unknown Cryptomatte 'objekt', did you mean object?" },

@@ -72,7 +72,8 @@ TEST( test_table_and_json_agree )
     assert_non_null( strstr( why, "the smallest group within 5 % of the best gain at fixed ray costs, " ) );
     assert_non_null( strstr( line, why ) );
     assert_true( json_is_false( json_object_get( plan, "at_most" ) ) );
-    assert_true( json_integer_value( json_object_get( json_object_get( plan, "bytes_record" ), "diffuse" ) ) <= 56 );
+    assert_true( json_integer_value( json_object_get( json_object_get( plan, "bytes_record" ), "diffuse" ) ) <=
+                 60 ); // in groups of 33
     json_decref( plan );
     json_decref( render );
 }

@@ -144,6 +144,7 @@ RfRenderSettings small_settings( int group, int spp )
 {
     RfRenderSettings settings = rf_default_render_settings();
     settings.filter = RF_FILTER_BOX;
+    settings.tile = ( RfTile ){ RF_TILE_BLOCK, 3, 3 };
     settings.group = group;
     settings.spp = spp;
     settings.max_depth = 5;
