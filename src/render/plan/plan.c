@@ -415,7 +415,7 @@ static Sample sample_of( const Choice* choice, int i, const Counts* c )
         directions -= fewer;
         double connected = c->tiles.connected[RF_TILE_CHOICES - 1];
         s.tile *= connected > 0.0 ? c->tiles.connected[i] / connected : 0.0;
-        s.shadow -= fewer ? s.shadow * s.hits / ( 2.0 * s.hits + s.path ) : 0.0;
+        s.shadow -= fewer && s.hits > 0.0 ? s.shadow * s.hits / ( 2.0 * s.hits + s.path ) : 0.0;
         rest += fewer ? v->light_sample : 0.0;
         double alone = noise_left( choice, 1 );
         s.own *= alone;
