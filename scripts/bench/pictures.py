@@ -187,6 +187,13 @@ def changes(error):
     return np.array([((after - before) ** 2).sum(), (before ** 2 + after ** 2).sum()])
 
 
+def relative_f1_squared(error, below):
+    """As in src/measure/flicker.h, in place: squared changes over the mean of what both frames' errors are divided by, a channel."""
+    if len(error) < 2:
+        return np.nan
+    return (squares(error[1:] - error[:-1]) / ((below[1:] + below[:-1]) / 2)).mean() / 3
+
+
 def error_of_pairs(pictures, below, own=None):
     """Errors without a reference: half the squared difference of the pictures of two seeds is the squared error in the mean.
     pictures: seeds, of which each two are a pair, then frames as above. own: own_denominators, for heavy_tails."""
@@ -194,8 +201,8 @@ def error_of_pairs(pictures, below, own=None):
     relative = np.mean([squares(error) / below for error in pairs], axis=0)
     change, both = sum(changes(error) for error in pairs) / len(pairs)
     other = {} if own is None else {"relmse_own": np.mean([squares(error) / own for error in pairs])}
-    return {**other, "relative": relative, "relmse": relative.mean(), "trimmed": trimmed(relative), "median": np.median(relative), "f1_squared": change,
-            "phi": change / both if both > 0.0 else np.nan}
+    return {**other, "relative": relative, "relmse": relative.mean(), "trimmed": trimmed(relative), "median": np.median(relative),
+            "f1_squared": np.mean([relative_f1_squared(error, below) for error in pairs]), "phi": change / both if both > 0.0 else np.nan}
 
 
 def error_beside(pictures, reference, below, own):

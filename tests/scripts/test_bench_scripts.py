@@ -53,8 +53,18 @@ class Errors(unittest.TestCase):
         made = pictures.error_of_pairs(np.stack([noisy(rng, 0.2) for _ in range(2)]), np.ones((3, 40, 50)))
         self.assertAlmostEqual(made["relmse"], 0.12, delta=0.005)
         self.assertAlmostEqual(made["phi"], 1.0, delta=0.05)
-        self.assertAlmostEqual(made["f1_squared"], 2 * 2 * 0.12 * 2000, delta=0.05 * 960)
+        self.assertAlmostEqual(made["f1_squared"], 2 * 0.04, delta=0.05 * 0.08)
         self.assertTrue(made["median"] < made["trimmed"] < made["relmse"])
+
+    @unittest.skipIf(BUILD is None, "needs the folder of a build as argument")
+    def test_f1_is_that_of_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            binary, scene, seen = os.path.join(BUILD, "reframe"), runs.make_scene(folder, "textured-room"), []
+            for seed in (1, 2):
+                pattern = os.path.join(folder, "%d.####.exr" % seed)
+                seen.append(pictures.load(pattern, runs.render(binary, scene, pattern, "24x14", runs.PLAIN, 2, seed, "1-3")))
+            told = runs.ask(binary, "flicker", os.path.join(folder, "1.####.exr"), "--reference", pattern)
+        self.assertAlmostEqual(pictures.relative_f1_squared(seen[0] - seen[1], pictures.denominators(seen[1])) ** 0.5 / told["f1_relative"], 1.0, delta=1e-6)
 
     def test_error_that_lasts_does_not_flicker(self):
         rng = np.random.default_rng(2)
