@@ -4,13 +4,13 @@
 
 The job names the .glb, its frame (from 0), size, samples, seeds, bounces, where Cycles' pictures go and
 which of Reframe's to read beside them. The means of all of them are written to the
-job's "result", one list of three channels per picture, and the CPU seconds of Cycles' as "cpu".
+job's "result", one list of three channels per picture. A job with "frames", "adaptive" and "denoise" is one
+of scripts/bench/budget.py, and gets its result.
 """
 
 import json
 import math
 import os
-import resource
 import struct
 import sys
 
@@ -20,6 +20,7 @@ import numpy
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+from bench import budget  # noqa: E402
 from blender.versions import give_nodes, set_format  # noqa: E402
 
 numpy.bool = bool  # the importer of Blender 3.4 uses a name that numpy has removed
@@ -41,7 +42,7 @@ def make_sharp(node):
         node.distribution = "SHARP"
 
 
-def scattering(nodes, description):
+def scattering(nodes, description, links=None, image=None):
     """A matching shader. Principled does not match: its diffuse part is at least 10 per cent brighter than Lambert."""
     pbr = description.get("pbrMetallicRoughness", {})
     color = pbr.get("baseColorFactor", [1.0] * 4)[:3] + [1.0]
@@ -65,6 +66,10 @@ def scattering(nodes, description):
     else:
         node = nodes.new("ShaderNodeBsdfDiffuse")
         node.inputs["Roughness"].default_value = 0.0
+        if image is not None:
+            texture = nodes.new("ShaderNodeTexImage")
+            texture.image = image
+            links.new(texture.outputs["Color"], node.inputs["Color"])
     node.inputs["Color"].default_value = color
     return node
 
@@ -72,9 +77,10 @@ def scattering(nodes, description):
 def set_material(material, description):
     give_nodes(material)
     nodes, links = material.node_tree.nodes, material.node_tree.links
+    image = next((n.image for n in nodes if n.type == "TEX_IMAGE" and n.label == "BASE COLOR"), None)
     nodes.clear()
     out = nodes.new("ShaderNodeOutputMaterial")
-    shader = scattering(nodes, description).outputs[0]
+    shader = scattering(nodes, description, links, image).outputs[0]
     emission = description.get("emissiveFactor", [0.0] * 3)
     if max(emission) > 0.0:
         lamp = nodes.new("ShaderNodeEmission")
@@ -169,7 +175,8 @@ def set_up(job, gltf):
     bpy.ops.import_scene.gltf(filepath=job["scene"], **{mode: "COMPAT"})
     for description in gltf.get("materials", []):
         set_material(bpy.data.materials[description["name"]], description)
-    cut_lamps({d["name"] for d in gltf.get("materials", []) if max(d.get("emissiveFactor", [0.0])) > 0.0})
+    if "frames" not in job:
+        cut_lamps({d["name"] for d in gltf.get("materials", []) if max(d.get("emissiveFactor", [0.0])) > 0.0})
     for light in bpy.data.lights:
         light.shadow_soft_size = 0.0
     scene = bpy.context.scene
@@ -180,7 +187,7 @@ def set_up(job, gltf):
     set_world(scene, job, gltf)
     scene.render.fps = 24
     scene.frame_set(job.get("frame", 0))
-    set_cycles(scene, job)
+    set_cycles(scene, {"samples": 1, **job})
 
 
 def mean(file_name):
@@ -191,19 +198,30 @@ def mean(file_name):
     return pixels.reshape(-1, image.channels)[:, :3].astype(numpy.float64).mean(axis=0).tolist()
 
 
+def render_sequence(scene, job):
+    scene.render.use_persistent_data = True
+    scene.cycles.use_adaptive_sampling, scene.cycles.use_denoising = job["adaptive"], job["denoise"]
+
+    def render(frame, samples, seed, path):
+        scene.cycles.samples = samples
+        write_picture(scene, path or job["result"] + ".exr", frame - 1, seed)
+
+    return budget.sequence(job, render)
+
+
 def main():
     with open(sys.argv[sys.argv.index("--") + 1], encoding="utf-8") as file:
         job = json.load(file)
     set_up(job, read_gltf(job["scene"]))
     scene = bpy.context.scene
-    cpu = []
-    for seed, name in enumerate(job["cycles"]):
-        begin = resource.getrusage(resource.RUSAGE_SELF)
-        write_picture(scene, name, seed=seed)
-        end = resource.getrusage(resource.RUSAGE_SELF)
-        cpu.append(end.ru_utime + end.ru_stime - begin.ru_utime - begin.ru_stime)
+    if "frames" in job:
+        result = render_sequence(scene, job)
+    else:
+        for seed, name in enumerate(job["cycles"]):
+            write_picture(scene, name, seed=seed)
+        result = {who: [mean(n) for n in job[who]] for who in ("cycles", "reframe")}
     with open(job["result"], "w", encoding="utf-8") as file:
-        json.dump({"cycles": [mean(n) for n in job["cycles"]], "reframe": [mean(n) for n in job["reframe"]], "cpu": cpu}, file)
+        json.dump(result, file)
 
 
 if __name__ == "__main__":

@@ -28,7 +28,9 @@ BUILD = sys.argv.pop(1) if len(sys.argv) > 1 and os.path.isdir(sys.argv[1]) else
 SCRIPTS = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "scripts")
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SCRIPTS, "bench"))
+import budget  # noqa: E402
 import pictures  # noqa: E402
+import rivals  # noqa: E402
 import runs  # noqa: E402
 
 
@@ -116,6 +118,50 @@ class Errors(unittest.TestCase):
         seen = {"few": np.stack([noisy(rng, 0.5) for _ in range(2)]), "many": np.stack([noisy(rng, 0.05) for _ in range(2)])}
         seen["few"][0, :, 10:20, 10:20] = 1e6
         self.assertTrue(np.array_equal(pictures.most_accurate(seen.values()), seen["many"].mean(0)))
+
+
+class Rivals(unittest.TestCase):
+    def test_samples_that_fit(self):
+        self.assertEqual(budget.samples_for(10.0, lambda n: 1.0 + 0.25 * n), 36)
+        self.assertEqual(budget.samples_for(0.5, lambda n: 1.0 + 0.25 * n), 1)
+
+    def test_own_error_of_the_reference_is_taken_off(self):
+        rng = np.random.default_rng(5)
+        halves, seen = np.stack([noisy(rng, 0.1) for _ in range(2)]), [noisy(rng, 0.1) for _ in range(2)]
+        told = rivals.figures(seen, halves, -1.0)
+        self.assertAlmostEqual(told["relmse"], 0.03, delta=0.001)
+        self.assertAlmostEqual(told["f1"], 100 * 0.02 ** 0.5, delta=0.3)
+        self.assertAlmostEqual(told["srgb"], 0.05 * 0.659, delta=0.001)  # the slope of sRGB at a half
+
+    def test_agreement(self):
+        rows = [{"jod": j, "relmse": -j ** 3, "srgb": j, "f1": 0.0} for j in (1.0, 2.0, 3.0)]
+        self.assertIn("JOD over the 3 rows: 1.00 with relMSE, -1.00 with sRGB", rivals.agreement(rows))
+        self.assertEqual(rivals.agreement([dict(row, jod=math.nan) for row in rows]), "")
+
+    def test_materials_are_simplified(self):
+        materials = [{"name": "floor", "pbrMetallicRoughness": {"metallicFactor": 1.0, "roughnessFactor": 0.3, "baseColorTexture": {"index": 0}}, "normalTexture": {"index": 1}},
+                     {"name": "mirror", "doubleSided": True, "pbrMetallicRoughness": {"roughnessFactor": 0.0, "baseColorFactor": [0.9, 0.9, 0.9, 1.0]}},
+                     {"name": "amber", "pbrMetallicRoughness": {}, "extensions": {"KHR_materials_transmission": {}, "KHR_materials_ior": {"ior": 1.6}, "KHR_materials_clearcoat": {}}}]
+        with tempfile.TemporaryDirectory() as folder:
+            source = os.path.join(folder, "room.glb")
+            runs.write_glb(source, {"materials": materials, "scenes": [{}]}, b"")
+            floor, mirror, amber = runs.read_glb(rivals.simplify(source, folder))[0]["materials"]
+        self.assertEqual((floor["pbrMetallicRoughness"]["metallicFactor"], floor["pbrMetallicRoughness"]["baseColorTexture"]), (0.0, {"index": 0}))
+        self.assertNotIn("normalTexture", floor)
+        self.assertEqual((mirror["pbrMetallicRoughness"]["metallicFactor"], mirror["pbrMetallicRoughness"]["baseColorFactor"]), (1.0, [1.0] * 4))
+        self.assertEqual(sorted(amber["extensions"]), ["KHR_materials_ior", "KHR_materials_transmission", "KHR_materials_volume"])
+
+    @unittest.skipIf(BUILD is None, "needs the folder of a build as argument")
+    def test_without_rivals(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([os.path.join(SCRIPTS, "bench", "run"), "rivals", "--quick", "--binary", os.path.join(BUILD, "reframe"), "--out", folder, "--size", "24x14", "--scene",
+                                   "still-life", "--blender", "nowhere/blender", "--rivals", "nowhere/python"], check=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                  env={**os.environ, "REFRAME_OIDN": "nowhere"})
+        lines = done.stdout.strip().splitlines()
+        self.assertEqual([line.split(":")[1].strip() for line in done.stderr.splitlines() if line.startswith("skipped: ")], ["Cycles", "LuxCore", "Mitsuba", "JOD", "Reframe, denoised"])
+        self.assertEqual(lines[4].strip("|").split("|"), rivals.COLUMNS)
+        self.assertEqual([line.split("|")[1] for line in lines[6:]], ["still-life, Reframe, path tracing", "still-life, Reframe, groups"])
+        self.assertTrue(all(line.split("|")[5] == "1.0000" and line.endswith("|–|") for line in lines[6:]))
 
 
 class Scenes(unittest.TestCase):
