@@ -204,7 +204,7 @@ def ranks(values):
 def measure(args, found, name, source, size, frames, spp, factor, seeds, table, measured, say):
     """The rows of a scene."""
     shot, rows, halves = Shot(args, found, name, source, size, frames, say), {}, {}
-    groups = shot.reframe(0, args.settings or "auto:3x3", spp, seeds)
+    groups = shot.reframe(0, args.settings or "auto:auto", spp, seeds)
     seconds, halves["Reframe"] = groups["cpu"], shot.reference("Reframe", factor * spp)
     if "Mitsuba" in found:
         rows["Mitsuba"] = shot.rival("Mitsuba", "Mitsuba", seeds, seconds=seconds)

@@ -84,7 +84,10 @@ static RfResult gather_light( const RfScene* scene, Facts* facts, RfError* error
         options->fps = s_fps;
         options->size = ( RfSize ){ path.eyes[0].width, path.eyes[0].height };
         RfShot shot = { .tracer = tracer, .eyes = path.runs, .eye_count = path.run_count };
-        result = rf_resolve_settings( &shot, &settings, &options->settings, error );
+        if ( options->settings.group != RF_GROUP_AUTO ) // whose light is shared the same with any tile: none is to be chosen
+            options->settings.tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
+        RfRenderSettings given = options->settings;
+        result = rf_resolve_settings( &shot, &given, &options->settings, error );
         if ( result == RF_OK )
             result = rf_find_light_beyond_depth( &shot, &options->settings, &facts->beyond_depth, error );
         if ( result == RF_OK )

@@ -95,10 +95,9 @@ static RfResult find_usual( const RfTuneJob* job, const RfRenderSettings* settin
 {
     RfPlan plan;
     *usual = ( Usual ){ -1, settings->tile };
-    if ( settings->tile.kind == RF_TILE_AUTO )
-        usual->tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
     if ( settings->tile.kind != RF_TILE_AUTO )
         return RF_OK;
+    usual->tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
     RfResult result = rf_plan_render( &job->shot, settings, &plan, error );
     const RfPlanRow* row = plan.rows + plan.chosen;
     if ( result == RF_OK )

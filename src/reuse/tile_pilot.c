@@ -309,7 +309,10 @@ static void add_tile( const RfEstimatorGroup* group, const RfHarvestScratch* scr
 
 static void add_tiles( const RfEstimatorGroup* group, RfHarvestScratch* scratch, RfTilePilot* pilot )
 {
-    bool tiles = rf_reuses_tiles( scratch ) && group->max_depth > 1 && scratch->hits->count > 0;
+    const RfTile* tile = &rf_reuse_plan( group )->patches.tile; // smaller ones tell of none but themselves
+    bool largest =
+             tile->kind == RF_TILE_BLOCK && tile->width == rf_tile_sides[RF_TILE_CHOICES - 1] && tile->height == tile->width,
+         tiles = largest && rf_reuses_tiles( scratch ) && group->max_depth > 1 && scratch->hits->count > 0;
     if ( !tiles || !find_path_light( group, scratch, pilot ) )
         return;
     for ( int i = 0; i < rf_record_count( scratch->hits ); ++i )

@@ -167,13 +167,12 @@ static void warn_of_variance( const RfRenderSettings* s, const RfCameraPath* pat
     }
 }
 
-// Something is seen without any light.
 static bool is_unlit( const RfScene* scene )
 {
-    bool found = false;
-    for ( uint32_t i = 0; i < scene->material_count; ++i )
-        found = found || scene->materials[i].unlit;
-    return found;
+    uint32_t i = 0;
+    while ( i < scene->material_count && !scene->materials[i].unlit )
+        ++i;
+    return i < scene->material_count;
 }
 
 static void warn_of_scene( const RfRenderOptions* options, const RfScene* scene, const RfTracer* tracer, RfLog* log )
@@ -217,15 +216,10 @@ static void print_settings( const RfRenderSettings* asked, const RfRenderSetting
                             const RfCameraPath* path )
 {
     RfGroupPlan plan = rf_plan_shots( path->runs, path->run_count, used->group, used->spp );
-    char tile[RF_TILE_NAME_SIZE];
-    bool group = asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ), chosen = asked->tile.kind == RF_TILE_AUTO;
+    char tile[RF_TILE_NAME_SIZE], memory[RF_BYTES_TEXT_SIZE];
     rf_tile_name( &used->tile, tile );
-    if ( group && chosen )
-        fprintf( stderr, "reframe render: --group auto is %d and --tile auto %s here, see reframe tune\n", used->group, tile );
-    else if ( group )
-        fprintf( stderr, "reframe render: --group auto is %d here, see reframe tune\n", used->group );
-    else if ( chosen )
-        fprintf( stderr, "reframe render: --tile auto is %s here, see reframe tune\n", tile );
+    if ( ( asked->group == RF_GROUP_AUTO && rf_has_groups( used->estimator ) ) || asked->tile.kind == RF_TILE_AUTO )
+        fprintf( stderr, "reframe render: auto takes --group %d --tile %s here, see reframe tune\n", used->group, tile );
     if ( asked->group > used->group )
         fprintf( stderr, "reframe render: --group %d cut to the %s: groups of its %d frames\n", asked->group,
                  plan.cameras != NULL ? "longest shot" : "path", plan.eyes );
@@ -233,7 +227,6 @@ static void print_settings( const RfRenderSettings* asked, const RfRenderSetting
         fprintf( stderr, "reframe render: --spp %d rounded %s to %d: %d groups of %d frames hold a frame, %d sample%s in each\n",
                  asked->spp, used->spp > asked->spp ? "up" : "down", used->spp, plan.eyes, plan.eyes, plan.passes,
                  plan.passes == 1 ? "" : "s" );
-    char memory[RF_BYTES_TEXT_SIZE];
     rf_format_memory( used->memory, memory );
     if ( fit->threads < used->threads )
         fprintf( stderr, "reframe render: %s of memory are enough for %d of %d threads\n", memory, fit->threads, used->threads );
