@@ -9,7 +9,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 from .programs import ENGINE, ExportSettings
 
 TILES = (("1", "None", "Pixels share no paths"), *((n + "x" + n, n + " × " + n, "A block of pixels") for n in "234"),
-         ("rooks16", "16 Rooks", "Pixels of which no two are in the same row or column"))
+         ("rooks16", "16 Rooks", "Pixels of which no two are in the same row or column"),
+         ("auto", "Automatic", "The block of pixels that pays, by a short trial render"))  # last: files keep the number
 
 # Of Cycles' panels for the whole render those whose settings are carried, of its others all but a few.
 RENDER = re.compile(r"CYCLES_RENDER_PT_(motion_blur|film|film_transparency|simplify(_viewport|_render)?|passes(_crypto|_lightgroups)?)")
@@ -32,7 +33,7 @@ class ReframeSettings(bpy.types.PropertyGroup, ExportSettings):
     is_group_auto: BoolProperty(name="Automatic Group", default=True, description="Choose the group by a short trial render")
     group: IntProperty(name="Group", min=0, max=16, default=2,
                        description="Share paths between 2N+1 neighbouring frames of an animation. 0: none. A frame alone (F12) shares none")
-    tile: EnumProperty(name="Tile", default="3x3", description="Pixels of a frame that share paths. Not used with Denoise", items=TILES)
+    tile: EnumProperty(name="Tile", default="auto", description="Pixels of a frame that share paths. Not used with Denoise", items=TILES)
     denoise: BoolProperty(name="Denoise", default=False, description="Denoise each frame by Open Image Denoise, and tell the error that is left")
     folder: StringProperty(name="Folder", subtype="DIR_PATH", default="//reframe",
                            description="Where the exported scene and the frames of an animation stay, so that a render which was stopped "
