@@ -20,6 +20,7 @@
 typedef struct RfRayLanes
 {
     int count;
+    float pixel_width, pixel_spread; // of camera rays: a pixel is pixel_width + pixel_spread · distance wide, in m
     RF_ALIGN float o[3][RF_LANES];
     float d[3][RF_LANES];            // unit
     float throughput[3][RF_LANES];   // of the path since its first vertex

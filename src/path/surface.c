@@ -140,6 +140,7 @@ typedef struct Source
     const RfLights* lights;
     const RfRayLanes* rays;
     const RfLaneScratch* scratch;
+    bool seen; // the rays are camera rays
 } Source;
 
 // `placed`: the triangle may be one of a placement. Where none can be, nothing is spent on it.
@@ -192,6 +193,24 @@ static void look_up_normals( const RfScene* scene, const RfMaterial* m, const Hi
                  rf_scale( rf_coat_normal_at( scene, m, hit->triangle, hit->u, hit->v, n, ng ), hit->side ) );
 }
 
+// A camera ray sees mean colours over a square this wide, in pixels, whatever the samples are: an anisotropic footprint's narrow
+// side (Igehy 1999), so that pictures stay sharp where surfaces are seen at a grazing angle.
+#define FOOTPRINT_WIDTH 0.25f
+#define FOOTPRINT_SHARE 1e9f // the most
+
+// The footprint of a camera ray as a share of the triangle, 0 for other rays: a function of camera and point alone, so that the
+// colour is one, too (src/reuse/estimators.md, section 26).
+static inline float footprint_share( const Source* from, const RfTriangleRecord* t, const RfVertexLanes* v, int i )
+{
+    if ( !from->seen || !rf_is_built( RF_EFFECT_MIP_LEVELS ) )
+        return 0.0f;
+    int r = from->scratch->index[i];
+    RfVec3 along = rf_sub( RF_GET3( v->p, i ), RF_GET3( from->rays->o, r ) ), normal = rf_cross( t->e1, t->e2 );
+    float distance = sqrtf( rf_dot( along, along ) ), triangle = 0.5f * sqrtf( rf_dot( normal, normal ) );
+    float width = FOOTPRINT_WIDTH * ( from->rays->pixel_width + from->rays->pixel_spread * distance );
+    return width * width < FOOTPRINT_SHARE * triangle ? width * width / triangle : FOOTPRINT_SHARE;
+}
+
 // Looks up the material of a textured lane into `here`, and replaces the normals and
 // emission of the lane.
 static void look_up_lane( const RfScene* scene, const Source* from, const RfMaterial* m, RfVertexLanes* v, int i,
@@ -203,12 +222,13 @@ static void look_up_lane( const RfScene* scene, const Source* from, const RfMate
     RfTriangleRecord place;
     const RfTriangleRecord* t = rf_triangle_record( from->tracer, triangle, &place );
     float facing = rf_dot( t->ng, RF_GET3( v->wo, i ) );
-    rf_material_at( scene, m, triangle, bu, bv, here );
+    float share = footprint_share( from, t, v, i );
+    rf_material_within( scene, m, triangle, bu, bv, share, here );
     fill_params_of_hit( v, i, here, facing, from->rays, r );
     Hit hit = { .triangle = triangle, .u = bu, .v = bv, .side = facing < 0.0f ? -1.0f : 1.0f };
     look_up_normals( scene, m, &hit, t->ng, v, i );
     if ( v->emission[0][i] + v->emission[1][i] + v->emission[2][i] > 0.0f )
-        RF_PUT3( v->emission, i, rf_emission_at( scene, m, triangle, bu, bv ) );
+        RF_PUT3( v->emission, i, rf_emission_within( scene, m, triangle, bu, bv, share ) );
 }
 
 // The tangents of lanes [first, end), which have their normals. Lane first + k has material number[k].
@@ -274,7 +294,8 @@ static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKi
 }
 
 // Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
-static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVertexLanes* vertices, RfLaneScratch* scratch )
+static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, bool seen, RfVertexLanes* vertices,
+                           RfLaneScratch* scratch )
 {
     sort_by_kind( tracer, rays->count, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
@@ -283,7 +304,8 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, RfVer
                     .materials = materials,
                     .lights = rf_tracer_lights( tracer ),
                     .rays = rays,
-                    .scratch = scratch };
+                    .scratch = scratch,
+                    .seen = seen };
     bool placed = rf_tracer_has_placements( tracer );
     for ( int i = 0; i < vertices->count && placed; ++i )
         fill_lane( &from, vertices, i, true );
@@ -311,7 +333,7 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( settings->tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
-    fill_vertices( settings->tracer, rays, vertices, scratch );
+    fill_vertices( settings->tracer, rays, coherent, vertices, scratch );
 }
 
 // Panes that rays from `first_past` on did not pass, which has the probability 1 − q: what is left of them is
@@ -375,7 +397,7 @@ const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayL
     }
     trace_to_panes( settings, rays, first_past, scratch );
     trace_past_panes( settings, rays, first_past, scratch );
-    fill_vertices( settings->tracer, rays, vertices, scratch );
+    fill_vertices( settings->tracer, rays, false, vertices, scratch );
     float* tint[3] = { vertices->param[RF_PARAM_TINT], vertices->param[RF_PARAM_TINT + 1], vertices->param[RF_PARAM_TINT + 2] };
     stop_at_panes( vertices, rays, first_past, tint );
     return scratch->visible;

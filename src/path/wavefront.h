@@ -230,8 +230,8 @@ static inline int rf_light_lanes_count( const RfPathSettings* settings )
 }
 
 // Traces the rays and fills the vertices they hit, sorted by scattering model and
-// by ray within a model. Rays that miss leave no vertex. `coherent` is a hint for
-// the traversal.
+// by ray within a model. Rays that miss leave no vertex. `coherent`: these are camera rays, which are
+// traversed together, and see colours of textures by mip levels.
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
                        RfLaneScratch* scratch );
 

@@ -54,6 +54,7 @@ typedef enum RfWithout
     X( PUNCTUAL_LIGHTS, "punctual-lights", OTHER_PICTURE, false, "punctual lights are off" )                                     \
     X( ENVIRONMENT, "environment", OTHER_PICTURE, false, "the sky is black" )                                                    \
     X( TEXTURES, "textures", OTHER_PICTURE, true, "materials keep only their factors" )                                          \
+    X( MIP_LEVELS, "mip-levels", OTHER_PICTURE, false, "cameras see the finest texels, however far" )                            \
     X( VERTEX_COLORS, "vertex-colors", OTHER_PICTURE, false, "vertex colours are white" )                                        \
     X( ALPHA_BLEND, "alpha-blend", OTHER_PICTURE, true, "blended surfaces are opaque" )                                          \
     X( ALPHA_MASK, "alpha-mask", OTHER_PICTURE, true, "masked surfaces are opaque" )                                             \

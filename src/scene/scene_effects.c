@@ -277,6 +277,8 @@ RfResult rf_choose_effects( RfScene* scene, uint64_t forced, uint64_t left_out, 
         return result;
     for ( uint32_t i = 0; i < scene->material_count; ++i )
         leave_out_of_material( left_out, scene->materials + i );
+    for ( int i = 0; leaves( left_out, RF_EFFECT_MIP_LEVELS ) && i < scene->texture_count; ++i )
+        rf_drop_mip_levels( scene->textures + i );
     for ( uint32_t i = 0; left_out != 0 && i < scene->material_count; ++i )
         settle_textured( scene, scene->materials + i );
     if ( leaves( left_out, RF_EFFECT_PUNCTUAL_LIGHTS ) )
@@ -605,6 +607,8 @@ int rf_list_effects( const RfScene* scene, RfEffect effects[RF_MAX_EFFECTS] )
     effects[count++] = punctual_effect( scene );
     effects[count++] = environment_effect( scene );
     effects[count++] = material_effect( &census, RF_EFFECT_TEXTURES, has_texture, "no material has a texture" );
+    effects[count++] =
+        material_effect( &census, RF_EFFECT_MIP_LEVELS, rf_has_colour_texture, "no material has a texture of colours" );
     effects[count++] = material_effect( &census, RF_EFFECT_VERTEX_COLORS, has_vertex_colors, "no mesh has vertex colours" );
     effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_BLEND, rf_is_blended, "no material is blended by its alpha" );
     effects[count++] = material_effect( &census, RF_EFFECT_ALPHA_MASK, rf_is_masked, "no material is masked by its alpha" );

@@ -3,6 +3,7 @@
 
 #include "base/file.h"
 #include "base/try.h"
+#include "math/vec3.h"
 #include "reframe/image.h"
 
 #include <limits.h>
@@ -87,6 +88,7 @@ void rf_destroy_texture( RfTexture* texture )
 {
     free( texture->bytes );
     free( texture->floats );
+    rf_drop_mip_levels( texture );
     *texture = ( RfTexture ){ 0 };
 }
 
@@ -217,18 +219,48 @@ static int wrap_index( RfWrap wrap, int i, int size )
     return i < size ? i : period - 1 - i;
 }
 
-static void fetch( const RfTexture* t, int x, int y, float rgba[4] )
+// The pixels of a level.
+typedef struct Level
 {
-    size_t at = ( (size_t)y * (size_t)t->width + (size_t)x ) * (size_t)t->channels;
+    int width, height;
+    const uint8_t* bytes; // or NULL; then
+    const float* floats;
+} Level;
+
+static inline Level level_0( const RfTexture* t ) { return ( Level ){ t->width, t->height, t->bytes, t->floats }; }
+
+static inline int half_of( int size ) { return size > 1 ? size / 2 : 1; }
+
+static Level find_level( const RfTexture* t, int number )
+{
+    Level l = level_0( t );
+    size_t at = 0;
+    for ( int i = 0; i < number; ++i )
+    {
+        at += i > 0 ? (size_t)l.width * (size_t)l.height * (size_t)t->channels : 0;
+        l.width = half_of( l.width );
+        l.height = half_of( l.height );
+    }
+    if ( number > 0 )
+    {
+        l.bytes = t->bytes != NULL ? (const uint8_t*)t->levels + at : NULL;
+        l.floats = t->bytes != NULL ? NULL : (const float*)t->levels + at;
+    }
+    return l;
+}
+
+static inline void fetch( const RfTexture* t, const Level* l, int x, int y, float rgba[4] )
+{
+    size_t at = ( (size_t)y * (size_t)l->width + (size_t)x ) * (size_t)t->channels;
     int colours = t->channels < 3 ? 1 : 3;
     bool alpha = t->channels == 2 || t->channels == 4;
     for ( int c = 0; c < 3; ++c )
     {
         size_t k = at + (size_t)( colours == 3 ? c : 0 );
-        rgba[c] = t->bytes != NULL ? t->table[t->bytes[k]] : t->floats[k];
+        rgba[c] = l->bytes != NULL ? t->table[l->bytes[k]] : l->floats[k];
     }
     size_t k = at + (size_t)colours;
-    rgba[3] = !alpha ? 1.0f : t->bytes != NULL ? (float)t->bytes[k] * ( 1.0f / 255.0f ) : t->floats[k];
+    rgba[3] = !alpha ? 1.0f : l->bytes != NULL ? (float)l->bytes[k] * ( 1.0f / 255.0f ) : l->floats[k];
 }
 
 static float to_pixels( float u, int size )
@@ -237,29 +269,53 @@ static float to_pixels( float u, int size )
     return fabsf( x ) <= MAX_PIXEL ? x : 0.0f; // also false for NaN
 }
 
-void rf_look_up( const RfTexture* t, const RfTextureRef* ref, const float at[2], float rgba[4] )
+static void look_up_level( const RfTexture* t, const RfTextureRef* ref, const Level* l, const float at[2], float rgba[4] )
 {
-    float x = to_pixels( at[0], t->width ), y = to_pixels( at[1], t->height );
+    float x = to_pixels( at[0], l->width ), y = to_pixels( at[1], l->height );
     if ( ref->nearest )
     {
-        fetch( t, wrap_index( ref->wrap[0], (int)floorf( x ), t->width ), wrap_index( ref->wrap[1], (int)floorf( y ), t->height ),
-               rgba );
+        fetch( t, l, wrap_index( ref->wrap[0], (int)floorf( x ), l->width ),
+               wrap_index( ref->wrap[1], (int)floorf( y ), l->height ), rgba );
         return;
     }
     float fx = floorf( x - 0.5f ), fy = floorf( y - 0.5f );
     float sx = x - 0.5f - fx, sy = y - 0.5f - fy;
-    int x0 = wrap_index( ref->wrap[0], (int)fx, t->width ), x1 = wrap_index( ref->wrap[0], (int)fx + 1, t->width );
-    int y0 = wrap_index( ref->wrap[1], (int)fy, t->height ), y1 = wrap_index( ref->wrap[1], (int)fy + 1, t->height );
+    int x0 = wrap_index( ref->wrap[0], (int)fx, l->width ), x1 = wrap_index( ref->wrap[0], (int)fx + 1, l->width );
+    int y0 = wrap_index( ref->wrap[1], (int)fy, l->height ), y1 = wrap_index( ref->wrap[1], (int)fy + 1, l->height );
     float a[4], b[4], c[4], d[4];
-    fetch( t, x0, y0, a );
-    fetch( t, x1, y0, b );
-    fetch( t, x0, y1, c );
-    fetch( t, x1, y1, d );
+    fetch( t, l, x0, y0, a );
+    fetch( t, l, x1, y0, b );
+    fetch( t, l, x0, y1, c );
+    fetch( t, l, x1, y1, d );
     for ( int i = 0; i < 4; ++i )
     {
         float top = a[i] * ( 1.0f - sx ) + b[i] * sx, bottom = c[i] * ( 1.0f - sx ) + d[i] * sx;
         rgba[i] = top * ( 1.0f - sy ) + bottom * sy;
     }
+}
+
+void rf_look_up( const RfTexture* t, const RfTextureRef* ref, const float at[2], float level, float rgba[4] )
+{
+    if ( !( level > 0.0f ) || ref->nearest || t->levels == NULL )
+    {
+        Level image = level_0( t );
+        look_up_level( t, ref, &image, at, rgba );
+        return;
+    }
+    int below = level < (float)( t->level_count - 1 ) ? (int)level : t->level_count - 1;
+    int above = below + 1 < t->level_count ? below + 1 : below;
+    Level fine = find_level( t, below ), coarse = find_level( t, above );
+    float far[4], share = above > below ? level - (float)below : 0.0f;
+    look_up_level( t, ref, &fine, at, rgba );
+    look_up_level( t, ref, &coarse, at, far );
+    for ( int i = 0; i < 4; ++i )
+        rgba[i] += share * ( far[i] - rgba[i] );
+}
+
+float rf_mip_level( const RfTexture* t, double area )
+{
+    double pixels = area * (double)t->width * (double)t->height;
+    return pixels > 1.0 ? 0.5f * (float)log2( pixels ) : 0.0f;
 }
 
 void rf_prefetch_texels( const RfTexture* t, const RfTextureRef* ref, const float at[2] )
@@ -289,6 +345,7 @@ float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float
     }
     if ( (int64_t)count[0] * count[1] > MAX_SCANNED )
         return t->largest;
+    Level image = level_0( t );
     float largest = 0.0f;
     for ( int j = 0; j < count[1]; ++j )
     {
@@ -296,9 +353,159 @@ float rf_texture_bound( const RfTexture* t, const RfTextureRef* ref, const float
         for ( int i = 0; i < count[0]; ++i )
         {
             float rgba[4];
-            fetch( t, wrap_index( ref->wrap[0], first[0] + i, size[0] ), y, rgba );
+            fetch( t, &image, wrap_index( ref->wrap[0], first[0] + i, size[0] ), y, rgba );
             largest = fmaxf( largest, fmaxf( rgba[0], fmaxf( rgba[1], rgba[2] ) ) );
         }
     }
     return largest;
+}
+
+// Mip levels.
+
+// Along one axis, pixel `to` of a level covers those of the one before from `first` on, by weights that add up to 1.
+typedef struct Cover
+{
+    int first, count; // 1 to 3, and 4 at most by rounding
+    float weight[4];
+} Cover;
+
+static Cover cover( int from, int to, int i )
+{
+    double scale = (double)from / (double)to, low = (double)i * scale, high = low + scale;
+    Cover c = { .first = (int)low };
+    for ( int k = 0; k < 4 && c.first + k < from; ++k )
+    {
+        double at = (double)( c.first + k ), begin = at > low ? at : low, end = at + 1.0 < high ? at + 1.0 : high;
+        if ( end - begin <= 1e-9 )
+            break;
+        c.weight[c.count++] = (float)( ( end - begin ) / scale );
+    }
+    return c;
+}
+
+// Turns values into bytes: where the search in a texture's ascending table begins, by the value.
+#define GUESSES 4096
+typedef struct Encoder
+{
+    const float* table;
+    uint8_t guess[GUESSES + 1]; // the first byte of at least a value of i / GUESSES
+} Encoder;
+
+static void make_encoder( const RfTexture* t, Encoder* out )
+{
+    out->table = t->table;
+    int byte = 0;
+    for ( int i = 0; i <= GUESSES; ++i )
+    {
+        while ( byte < 255 && t->table[byte] < (float)i / GUESSES )
+            ++byte;
+        out->guess[i] = (uint8_t)byte;
+    }
+}
+
+// The byte whose value is nearest.
+static inline uint8_t encode( const Encoder* e, float value )
+{
+    int high = e->guess[(int)( rf_clampf( value, 0.0f, 1.0f ) * GUESSES )];
+    while ( high < 255 && e->table[high] < value )
+        ++high;
+    return (uint8_t)( high > 0 && value - e->table[high - 1] < e->table[high] - value ? high - 1 : high );
+}
+
+static void make_pixel( const RfTexture* t, const Level* from, const Cover* across, const Cover* down, float sum[4] )
+{
+    memset( sum, 0, 4 * sizeof *sum );
+    for ( int j = 0; j < down->count; ++j )
+    {
+        for ( int i = 0; i < across->count; ++i )
+        {
+            float rgba[4], weight = down->weight[j] * across->weight[i];
+            fetch( t, from, across->first + i, down->first + j, rgba );
+            for ( int c = 0; c < 4; ++c )
+                sum[c] += weight * rgba[c];
+        }
+    }
+}
+
+static void store_pixel( const RfTexture* t, const Encoder* e, const float rgba[4], size_t at )
+{
+    int colours = t->channels < 3 ? 1 : 3;
+    for ( int c = 0; c < t->channels; ++c )
+    {
+        float value = c < colours ? rgba[c] : rgba[3];
+        if ( t->bytes == NULL )
+            ( (float*)t->levels )[at + (size_t)c] = value;
+        else
+            ( (uint8_t*)t->levels )[at + (size_t)c] = c < colours ? encode( e, value ) : (uint8_t)( value * 255.0f + 0.5f );
+    }
+}
+
+void rf_drop_mip_levels( RfTexture* t )
+{
+    free( t->levels );
+    t->levels = NULL;
+    t->level_count = 0;
+}
+
+// A level of bytes whose pixels cover 2×2 of the one before, without alpha: what most are, and large ones alone take time.
+static void halve_colours( const RfTexture* t, const Encoder* e, const Level* from, int width, int height, uint8_t* out )
+{
+    size_t channels = (size_t)t->channels, row = (size_t)from->width * channels;
+    for ( int y = 0; y < height; ++y )
+    {
+        const uint8_t *above = from->bytes + 2 * (size_t)y * row, *below = above + row;
+        for ( size_t x = 0; x < (size_t)width; ++x, above += 2 * channels, below += 2 * channels )
+        {
+            for ( size_t c = 0; c < channels; ++c )
+                *out++ = encode( e, 0.25f * ( t->table[above[c]] + t->table[above[c + channels]] + t->table[below[c]] +
+                                              t->table[below[c + channels]] ) );
+        }
+    }
+}
+
+// A level from the one before.
+static void make_level( const RfTexture* t, const Encoder* e, const Level* from, int width, int height, size_t at )
+{
+    if ( t->bytes != NULL && t->channels % 2 == 1 && from->width == 2 * width && from->height == 2 * height )
+    {
+        halve_colours( t, e, from, width, height, (uint8_t*)t->levels + at );
+        return;
+    }
+    for ( int y = 0; y < height; ++y )
+    {
+        Cover down = cover( from->height, height, y );
+        for ( int x = 0; x < width; ++x, at += (size_t)t->channels )
+        {
+            Cover across = cover( from->width, width, x );
+            float rgba[4];
+            make_pixel( t, from, &across, &down, rgba );
+            store_pixel( t, e, rgba, at );
+        }
+    }
+}
+
+void rf_make_mip_levels( RfTexture* t )
+{
+    size_t values = 0;
+    int count = 1;
+    for ( int w = t->width, h = t->height; w > 1 || h > 1; ++count )
+    {
+        w = half_of( w );
+        h = half_of( h );
+        values += (size_t)w * (size_t)h * (size_t)t->channels;
+    }
+    t->levels = count > 1 ? malloc( values * ( t->bytes != NULL ? 1 : sizeof( float ) ) ) : NULL;
+    if ( t->levels == NULL )
+        return;
+    t->level_count = count;
+    Encoder encoder;
+    make_encoder( t, &encoder );
+    size_t at = 0;
+    for ( int number = 1; number < count; ++number )
+    {
+        Level from = find_level( t, number - 1 );
+        int width = half_of( from.width ), height = half_of( from.height );
+        make_level( t, &encoder, &from, width, height, at );
+        at += (size_t)width * (size_t)height * (size_t)t->channels;
+    }
 }

@@ -18,6 +18,8 @@ typedef struct RfTexture
     float largest;               // largest colour value
     double outside;              // share of its light beyond Rec. 709, which was clipped
     bool plays;                  // other images are seen at other times: a pose has that of its time
+    void* levels;    // owned: mip levels from 1 on, one after the other, bytes or floats; NULL: there is level 0 alone
+    int level_count; // with level 0; each is half as wide and high as the one before, rounded down, 1 at least
 } RfTexture;
 
 typedef enum RfWrap
@@ -44,11 +46,21 @@ void rf_set_uv_transform( const double by[5], float transform[6] );
 // Transforms the coordinates of a point to u', v' on the texture.
 void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] );
 
-// Linear RGB and alpha at u', v'; (0, 0) is the upper left corner of the image. Grey is copied
-// to RGB; without an alpha channel alpha is 1.
-void rf_look_up( const RfTexture* texture, const RfTextureRef* ref, const float at[2], float rgba[4] );
+// Makes mip levels, the linear means of pixels by the area that a pixel of the level covers. Not for sequences. What does not fit
+// into memory is left out.
+void rf_make_mip_levels( RfTexture* texture );
 
-// Fetches the texels of such a lookup into the cache.
+void rf_drop_mip_levels( RfTexture* texture );
+
+// Linear RGB and alpha at u', v'; (0, 0) is the upper left corner of the image. Grey is copied
+// to RGB; without an alpha channel alpha is 1. `level`: between which mip levels it is interpolated (Williams 1983); up to 0, and
+// with nearest neighbours, it is the image.
+void rf_look_up( const RfTexture* texture, const RfTextureRef* ref, const float at[2], float level, float rgba[4] );
+
+// The mip level of a lookup by an area in square units of u', v': of which a pixel has that area.
+float rf_mip_level( const RfTexture* texture, double area );
+
+// Fetches the texels of such a lookup of level 0 into the cache.
 void rf_prefetch_texels( const RfTexture* texture, const RfTextureRef* ref, const float at[2] );
 
 // An upper bound of the colour values that lookups give between the corners `low` and `high`

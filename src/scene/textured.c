@@ -48,23 +48,59 @@ typedef struct Point
     const RfTriangles* t;
     uint32_t index;
     float u, v;
+    float share; // of the triangle that colours are means over
 } Point;
 
-static inline Point locate_point( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+static inline Point locate_point( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, float share )
 {
     RfTriangleAt on = rf_locate_triangle( scene, triangle );
-    return ( Point ){ scene, m, on.triangles, on.index, u, v };
+    return ( Point ){ scene, m, on.triangles, on.index, u, v, share };
+}
+
+// Slots of colours, in which what a surface sends on is linear or nearly so: means of them are those of the light. Means of
+// directions and of roughnesses are not.
+#define COLOURS                                                                                                                  \
+    ( 1u << RF_TEXTURE_BASE | 1u << RF_TEXTURE_EMISSIVE | 1u << RF_TEXTURE_SPECULAR_COLOR | 1u << RF_TEXTURE_SHEEN_COLOR |       \
+      1u << RF_TEXTURE_THROUGH_COLOR )
+
+bool rf_has_colour_texture( const RfMaterial* m )
+{
+    bool any = false;
+    for ( int i = 0; m->textured != NULL && i < RF_TEXTURE_SLOT_COUNT; ++i )
+        any = any || ( ( COLOURS >> i & 1 ) && m->textured->refs[i].texture >= 0 );
+    return any;
+}
+
+// The area of a triangle in square units of u', v'. Coordinates may be so large that floats have no squares of them.
+static double area_on_texture( const RfTextureRef* ref, const RfTriangles* t, uint32_t index )
+{
+    const uint32_t* corners = corners_of( t, index );
+    const float* values = uv_array( t, ref->uv_set );
+    double m[4] = { (double)ref->transform[0], (double)ref->transform[1], (double)ref->transform[3], (double)ref->transform[4] };
+    double side[2][2];
+    for ( int i = 0; i < 4 && values != NULL; ++i )
+        side[i / 2][i % 2] = (double)values[2 * (size_t)corners[1 + i / 2] + (size_t)( i % 2 )] -
+                             (double)values[2 * (size_t)corners[0] + (size_t)( i % 2 )];
+    if ( values == NULL )
+        return 0.0;
+    double det = side[0][0] * side[1][1] - side[1][0] * side[0][1];
+    return 0.5 * fabs( det * ( m[0] * m[3] - m[1] * m[2] ) );
 }
 
 // Looks up a texture slot; false if it has no texture.
 static bool look_up_slot( const Point* p, RfTextureSlot slot, float rgba[4] )
 {
-    const RfTextureRef* ref = p->m->textured->refs + slot;
+    const RfTextured* textured = p->m->textured;
+    const RfTextureRef* ref = textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
     texture_coordinates( ref, p->t, p->index, p->u, p->v, at );
-    rf_look_up( p->scene->textures + ref->texture, ref, at, rgba );
+    const RfTexture* texture = p->scene->textures + ref->texture;
+    // of cut-outs, what is transparent may have any colour
+    bool mean = p->share > 0.0f && ( COLOURS >> slot & 1 ) && !textured->masked && !textured->blended;
+    rf_look_up( texture, ref, at,
+                mean ? rf_mip_level( texture, (double)p->share * area_on_texture( ref, p->t, p->index ) ) : 0.0f, rgba );
     return true;
 }
 
@@ -308,12 +344,13 @@ static void layers_at( const Point* p, RfMaterial* out )
         film_at( p, out );
 }
 
-void rf_material_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, RfMaterial* out )
+void rf_material_within( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, float share,
+                         RfMaterial* out )
 {
     *out = *m;
     if ( m->textured->model == RF_TEXTURED_UNLIT )
         return;
-    const Point p = locate_point( scene, m, triangle, u, v );
+    const Point p = locate_point( scene, m, triangle, u, v, share );
     RfFactors f = factors_at( &p );
     switch ( m->textured->model )
     {
@@ -372,18 +409,18 @@ static float opacity_at( const Point* p )
 
 float rf_opacity_on( const RfScene* scene, const RfMaterial* m, const RfTriangles* t, uint32_t index, float u, float v )
 {
-    return opacity_at( &( Point ){ scene, m, t, index, u, v } );
+    return opacity_at( &( Point ){ scene, m, t, index, u, v, 0.0f } );
 }
 
 float rf_opacity_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
 {
-    const Point p = locate_point( scene, m, triangle, u, v );
+    const Point p = locate_point( scene, m, triangle, u, v, 0.0f );
     return opacity_at( &p );
 }
 
-RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v )
+RfVec3 rf_emission_within( const RfScene* scene, const RfMaterial* m, uint32_t triangle, float u, float v, float share )
 {
-    const Point p = locate_point( scene, m, triangle, u, v );
+    const Point p = locate_point( scene, m, triangle, u, v, share );
     if ( m->textured->masked && is_cut_out( &p ) )
         return rf_vec3( 0, 0, 0 );
     if ( m->textured->model == RF_TEXTURED_UNLIT )
@@ -549,7 +586,7 @@ static RfVec3 mapped_normal( const RfScene* scene, const RfMaterial* m, RfTextur
     RfBetween between;
     RfTriangleAt on = locate_now( scene, triangle, &between );
     const RfTextureRef* ref = m->textured->refs + slot;
-    if ( !look_up_slot( &( Point ){ scene, m, on.triangles, on.index, u, v }, slot, rgba ) ||
+    if ( !look_up_slot( &( Point ){ scene, m, on.triangles, on.index, u, v, 0.0f }, slot, rgba ) ||
          !find_tangents( has_vertex_tangents( on.triangles, m->textured, ref ), ref, &on, u, v, n, &tangent, &bitangent ) )
         return n;
     float x = ( 2.0f * rgba[0] - 1.0f ) * scale, y = ( 2.0f * rgba[1] - 1.0f ) * scale;

@@ -96,11 +96,25 @@ void rf_derive_clearcoat( double clearcoat, double roughness, RfMaterial* out );
 void rf_derive_layers( const RfFactors* factors, RfMaterial* out );
 
 // A copy of `material` (which must have `textured`) with everything looked up at the
-// barycentrics (u, v) of a triangle.
-void rf_material_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, RfMaterial* out );
+// barycentrics (u, v) of a triangle. Colours are means over an area around the point that is this share of the triangle's, by mip
+// levels; share 0: without.
+void rf_material_within( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, float share,
+                         RfMaterial* out );
 
-// Emitted radiance at a point of a material with `textured`; black where it is cut out.
-RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v );
+static inline void rf_material_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v,
+                                   RfMaterial* out )
+{
+    rf_material_within( scene, material, triangle, u, v, 0.0f, out );
+}
+
+// Emitted radiance at a point of a material with `textured`, or the mean around it over such a share; black where the point is
+// cut out.
+RfVec3 rf_emission_within( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v, float share );
+
+static inline RfVec3 rf_emission_at( const RfScene* scene, const RfMaterial* material, uint32_t triangle, float u, float v )
+{
+    return rf_emission_within( scene, material, triangle, u, v, 0.0f );
+}
 
 // An estimate of the mean emitted radiance of a triangle for light sampling; it is 0 only if
 // the triangle does not emit anywhere.
@@ -158,6 +172,9 @@ static inline bool rf_may_be_sharp( const RfMaterial* m )
     bool varies = rf_bsdf_model( m->kind )->shape == RF_SHAPE_ALPHA && rf_roughness_varies( m );
     return varies || rf_narrowest_alpha( m->kind, m->alpha, m->clearcoat_alpha ) < RF_SHARP_ALPHA;
 }
+
+// True if a texture gives a material colours, which mip levels are for.
+bool rf_has_colour_texture( const RfMaterial* m );
 
 static inline bool rf_is_masked( const RfMaterial* m ) { return m->textured != NULL && m->textured->masked; }
 

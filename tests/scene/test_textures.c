@@ -23,7 +23,7 @@ static RfTextureRef ref_of( RfWrap wrap, bool nearest )
 static float red_at( const RfTexture* t, const RfTextureRef* ref, float u, float v )
 {
     float at[2] = { u, v }, rgba[4];
-    rf_look_up( t, ref, at, rgba );
+    rf_look_up( t, ref, at, 0.0f, rgba );
     return rgba[0];
 }
 
@@ -65,16 +65,16 @@ TEST( test_channels_by_hand )
     float rgba[4], top[2] = { 0.5f, 0.25f }, bottom[2] = { 0.5f, 0.75f };
     RfTextureRef ref = ref_of( RF_WRAP_CLAMP, true );
     RfTexture t = make_texture( 1, 2, 4, bytes, true );
-    rf_look_up( &t, &ref, top, rgba );
+    rf_look_up( &t, &ref, top, 0.0f, rgba );
     assert_close( rgba[0], 1.0, 1e-6 );
     assert_close( rgba[1], 0.2158605, 1e-6 );
     assert_close( rgba[2], 0.0, 0.0 );
     assert_close( rgba[3], 64.0 / 255.0, 1e-6 );
-    rf_look_up( &t, &ref, bottom, rgba );
+    rf_look_up( &t, &ref, bottom, 0.0f, rgba );
     assert_close( rgba[3], 1.0, 0.0 );
     free( t.bytes );
     t = make_texture( 2, 2, 2, bytes, false );
-    rf_look_up( &t, &ref, top, rgba ); // u = 0.5: the right column
+    rf_look_up( &t, &ref, top, 0.0f, rgba ); // u = 0.5: the right column
     assert_close( rgba[0], 0.0, 0.0 );
     assert_close( rgba[2], 0.0, 0.0 );
     assert_close( rgba[3], 64.0 / 255.0, 1e-6 );
@@ -404,5 +404,120 @@ TEST( test_primaries_of_an_image )
         assert_true( t.floats[1] == 0.0f && t.floats[2] == 0.0f );
         assert_close( (float)t.outside, colour == 1 ? 0.15426 / ( 1.70505 + 0.15426 ) : 0.0, 1e-4 );
         rf_destroy_texture( &t );
+    }
+}
+
+// By the area that each pixel covers, so that the last level is the mean of all, also of sizes that are no powers of two.
+TEST( test_mip_levels_are_means )
+{
+    enum
+    {
+        WIDTH = 13,
+        HEIGHT = 5
+    };
+    float* floats = malloc( 3 * WIDTH * HEIGHT * sizeof *floats );
+    uint8_t bytes[4 * WIDTH * HEIGHT];
+    double mean = 0.0, of_bytes = 0.0;
+    for ( int i = 0; i < WIDTH * HEIGHT; ++i )
+    {
+        for ( int c = 0; c < 3; ++c )
+            floats[3 * i + c] = (float)( ( i * 37 + c ) % 101 );
+        for ( int c = 0; c < 4; ++c )
+            bytes[4 * i + c] = (uint8_t)( ( i * 53 + 19 * c ) % 256 );
+        mean += (double)floats[3 * i] / ( WIDTH * HEIGHT );
+        of_bytes += (double)rf_srgb_to_linear( (float)bytes[4 * i] / 255.0f ) / ( WIDTH * HEIGHT );
+    }
+    RfTexture of[2] = { { .width = WIDTH, .height = HEIGHT, .channels = 3, .floats = floats },
+                        make_texture( WIDTH, HEIGHT, 4, bytes, true ) };
+    RfTextureRef linear = ref_of( RF_WRAP_REPEAT, false ), nearest = ref_of( RF_WRAP_REPEAT, true );
+    float at[2] = { 0.3f, 0.7f }, rgba[4], low[4], high[4];
+    for ( int k = 0; k < 2; ++k )
+    {
+        rf_look_up( of + k, &linear, at, 3.0f, low ); // without levels: the image
+        rf_look_up( of + k, &linear, at, 0.0f, high );
+        assert_true( low[0] == high[0] );
+        rf_make_mip_levels( of + k );
+        assert_int_equal( of[k].level_count, 4 ); // 13x5, 6x2, 3x1, 1x1
+        rf_look_up( of + k, &linear, at, 9.0f, rgba );
+        assert_close( rgba[0], k == 0 ? mean : of_bytes, k == 0 ? 1e-4 : 0.01 );
+        rf_look_up( of + k, &linear, at, 1.0f, low );
+        rf_look_up( of + k, &linear, at, 2.0f, high );
+        rf_look_up( of + k, &linear, at, 1.25f, rgba );
+        assert_close( rgba[1], 0.75 * (double)low[1] + 0.25 * (double)high[1], 1e-4 );
+        rf_look_up( of + k, &nearest, at, 2.0f, rgba );
+        rf_look_up( of + k, &nearest, at, 0.0f, low );
+        assert_true( rgba[0] == low[0] );
+    }
+    static const uint8_t grey[4 * 2] = { 0, 255, 10, 20, 0, 0, 30, 40 };
+    RfTexture even = make_texture( 4, 2, 1, grey, false );
+    rf_make_mip_levels( &even );
+    assert_int_equal( even.level_count, 3 );
+    assert_true( even.table[( (uint8_t*)even.levels )[0]] == even.table[64] ); // 63.75
+    assert_true( even.table[( (uint8_t*)even.levels )[1]] == even.table[25] );
+    rf_destroy_texture( &even );
+    assert_close( rf_mip_level( of, 16.0 / ( WIDTH * HEIGHT ) ), 2.0, 1e-6 );
+    assert_true( rf_mip_level( of, 0.0 ) == 0.0f );
+    rf_destroy_texture( of );
+    rf_destroy_texture( of + 1 );
+}
+
+// The root mean square error of the pixels of a frame whose true values are means of texels.
+static double error_of_means( const Square* s, const Rendered* r, int across )
+{
+    const RfTexture* t = s->scene.textures;
+    int texels = t->width / across;
+    double sum = 0.0;
+    for ( int p = 0; p < across * across; ++p )
+    {
+        double mean = 0.0;
+        for ( int i = 0; i < texels * texels; ++i )
+        {
+            int x = p % across * texels + i % texels, y = p / across * texels + i / texels;
+            mean += (double)t->table[t->bytes[4 * ( y * t->width + x )]] / ( texels * texels );
+        }
+        double off = (double)frame_rgb( r, 0 )[3 * p] - mean;
+        sum += off * off / ( across * across );
+    }
+    return sqrt( sum );
+}
+
+// Pixels of 16 texels across show their mean, with less noise by mip levels; in groups with cameras nearer and further away too.
+TEST( test_far_colours_by_mip_levels )
+{
+    static uint8_t bytes[4 * 64 * 64];
+    uint32_t word = 1;
+    for ( int i = 0; i < 64 * 64; ++i )
+    {
+        word = word * 1664525u + 1013904223u;
+        memset( bytes + 4 * i, ( word >> 30 & 1 ) != 0 ? 255 : 0, 3 );
+        bytes[4 * i + 3] = 255;
+    }
+    for ( int group = 0; group <= 1; ++group )
+    {
+        double error[2];
+        for ( int levels = 0; levels < 2; ++levels )
+        {
+            RfTextured* t = make_textured( &s_paint );
+            t->refs[RF_TEXTURE_EMISSIVE].texture = 0;
+            Square s = make_square( make_light( 1.0f, false ), t, bytes, 64, 64, true );
+            if ( levels == 1 )
+                rf_make_mip_levels( s.scene.textures );
+            static const float distances[] = { 2.0f, 1.0f, 4.0f };
+            RfEye eyes[3];
+            for ( int i = 0; i < 3; ++i )
+                eyes[i] = rf_make_eye( rf_vec3( 0, 0, distances[i] ), rf_vec3( 0, 0, -1 ), rf_vec3( 0, 1, 0 ), 2.0 * atan( 0.5 ),
+                                       4, 4 );
+            RfRenderSettings settings = plain_settings();
+            settings.group = group;
+            settings.spp = 64;
+            settings.memory = (size_t)256 << 20;
+            AUTO_TRACER tracer = make_tracer( &s.scene );
+            AUTO_BY( free_rendered ) Rendered r = render_all( tracer, eyes, group == 0 ? 1 : 3, &settings );
+            error[levels] = error_of_means( &s, &r, 4 );
+            rf_destroy_scene( &s.scene );
+        }
+        assert_true( error[0] > 0.02 && error[0] < 0.1 ); // 1/2 √64: nothing but noise
+        if ( !( error[1] < 0.5 * error[0] ) )
+            fail_msg( "an error of %.4g, without mip levels %.4g", error[1], error[0] );
     }
 }

@@ -123,7 +123,7 @@ static double seen( const RfScene* scene, int texture )
 {
     float rgba[4];
     RfTextureRef ref = { .texture = texture };
-    rf_look_up( scene->textures + texture, &ref, ( const float[] ){ 0.5f, 0.5f }, rgba );
+    rf_look_up( scene->textures + texture, &ref, ( const float[] ){ 0.5f, 0.5f }, 0.0f, rgba );
     return (double)rgba[0];
 }
 

@@ -286,4 +286,7 @@ void rf_make_camera_rays( const RfPixelFilter* filter, const RfEye* eye, int cou
         RF_PUT3( rays->d, i, d );
     }
     rays->count = count;
+    bool parallel = rf_is_parallel( eye );
+    rays->pixel_width = parallel ? inverse[1] : 0.0f;
+    rays->pixel_spread = parallel ? 0.0f : inverse[1];
 }
