@@ -21,8 +21,7 @@ def measure(frame):
         mesh = instance.object.to_mesh()
         mesh.calc_loop_triangles()
         count += len(mesh.loop_triangles)
-        used = {v for t in mesh.loop_triangles for v in t.vertices}
-        for v in used:
+        for v in {v for t in mesh.loop_triangles for v in t.vertices}:
             p = instance.matrix_world @ mesh.vertices[v].co
             low, high = [min(a, b) for a, b in zip(low, p)], [max(a, b) for a, b in zip(high, p)]
         instance.object.to_mesh_clear()
@@ -32,8 +31,6 @@ def measure(frame):
 def measure_file(path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     module, name = IMPORTERS[os.path.splitext(path)[1].lower()]
-    if not hasattr(bpy.ops.wm if module == bpy.ops.wm else module, name):
-        return {"error": "this Blender has no importer"}
     try:
         getattr(module, name)(filepath=path)
     except (RuntimeError, AttributeError) as error:
@@ -41,7 +38,7 @@ def measure_file(path):
         return {"error": lines[-1]}
     ranges = [action.frame_range for action in bpy.data.actions]
     first, last = (min(r[0] for r in ranges), max(r[1] for r in ranges)) if ranges else (1, 1)
-    return {"poses": [measure(first), measure((first + last) / 2)], "frames": [first, last]}
+    return {"poses": [measure(first), measure((first + last) / 2)]}
 
 
 def main():

@@ -171,8 +171,8 @@ static RfResult load_image( RfGltf* gltf, int index, bool srgb, RfTexture* out )
     if ( result == RF_OK && out->outside > 1e-4 )
         rf_warn( gltf->log, "%s: %s has colours outside Rec. 709, which are clipped: %.2g %% of its light", gltf->path,
                  where.text, 100.0 * out->outside );
-    if ( result == RF_OK && srgb ) // colours
-        rf_make_mip_levels( out );
+    if ( result == RF_OK && srgb && !rf_make_mip_levels( out ) )
+        result = rf_gltf_no_memory( gltf, where.text );
     rf_destroy_pixels( &pixels );
     return result;
 }
@@ -293,7 +293,7 @@ static ImageSize measure_image( RfGltf* gltf, int image )
     if ( result != RF_OK )
         return ( ImageSize ){ .image = image };
     size_t pixels = rf_pixels_bytes( &header ), bytes = rf_texture_bytes( &header );
-    return ( ImageSize ){ image, header.width, header.height, bytes + bytes / 3, owned + ( bytes > pixels ? pixels : 0 ) };
+    return ( ImageSize ){ image, header.width, header.height, bytes, owned + ( bytes > pixels ? pixels : 0 ) };
 }
 
 #define NAMED 3
@@ -354,7 +354,7 @@ static RfResult check_memory( RfGltf* gltf, const bool* used )
         int times = wanted[i] + wanted[i + 1];
         ImageSize size = times > 0 ? measure_image( gltf, (int)i / 2 ) : ( ImageSize ){ 0 };
         count += times;
-        need += (size_t)times * size.bytes;
+        need += (size_t)times * size.bytes + ( wanted[i + 1] ? size.bytes / 3 : 0 ); // colours have mip levels
         scratch = size.scratch > scratch ? size.scratch : scratch;
         keep_largest( &size, largest );
     }

@@ -484,7 +484,7 @@ static void make_level( const RfTexture* t, const Encoder* e, const Level* from,
     }
 }
 
-void rf_make_mip_levels( RfTexture* t )
+bool rf_make_mip_levels( RfTexture* t )
 {
     size_t values = 0;
     int count = 1;
@@ -494,9 +494,11 @@ void rf_make_mip_levels( RfTexture* t )
         h = half_of( h );
         values += (size_t)w * (size_t)h * (size_t)t->channels;
     }
-    t->levels = count > 1 ? malloc( values * ( t->bytes != NULL ? 1 : sizeof( float ) ) ) : NULL;
+    if ( count == 1 )
+        return true;
+    t->levels = malloc( values * ( t->bytes != NULL ? 1 : sizeof( float ) ) );
     if ( t->levels == NULL )
-        return;
+        return false;
     t->level_count = count;
     Encoder encoder;
     make_encoder( t, &encoder );
@@ -508,4 +510,5 @@ void rf_make_mip_levels( RfTexture* t )
         make_level( t, &encoder, &from, width, height, at );
         at += (size_t)width * (size_t)height * (size_t)t->channels;
     }
+    return true;
 }

@@ -46,9 +46,9 @@ void rf_set_uv_transform( const double by[5], float transform[6] );
 // Transforms the coordinates of a point to u', v' on the texture.
 void rf_transform_uv( const RfTextureRef* ref, const float uv[2], float out[2] );
 
-// Makes mip levels, the linear means of pixels by the area that a pixel of the level covers. Not for sequences. What does not fit
-// into memory is left out.
-void rf_make_mip_levels( RfTexture* texture );
+// Makes mip levels, linear means of pixels by the area that a pixel of the level covers, which rf_destroy_texture frees. Not for
+// sequences. False: there is no memory.
+bool rf_make_mip_levels( RfTexture* texture );
 
 void rf_drop_mip_levels( RfTexture* texture );
 
@@ -57,7 +57,7 @@ void rf_drop_mip_levels( RfTexture* texture );
 // with nearest neighbours, it is the image.
 void rf_look_up( const RfTexture* texture, const RfTextureRef* ref, const float at[2], float level, float rgba[4] );
 
-// The mip level of a lookup by an area in square units of u', v': of which a pixel has that area.
+// The mip level whose pixels have an area, in square units of u', v'.
 float rf_mip_level( const RfTexture* texture, double area );
 
 // Fetches the texels of such a lookup of level 0 into the cache.

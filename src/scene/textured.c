@@ -74,33 +74,37 @@ bool rf_has_colour_texture( const RfMaterial* m )
 // The area of a triangle in square units of u', v'. Coordinates may be so large that floats have no squares of them.
 static double area_on_texture( const RfTextureRef* ref, const RfTriangles* t, uint32_t index )
 {
-    const uint32_t* corners = corners_of( t, index );
-    const float* values = uv_array( t, ref->uv_set );
-    double m[4] = { (double)ref->transform[0], (double)ref->transform[1], (double)ref->transform[3], (double)ref->transform[4] };
-    double side[2][2];
-    for ( int i = 0; i < 4 && values != NULL; ++i )
-        side[i / 2][i % 2] = (double)values[2 * (size_t)corners[1 + i / 2] + (size_t)( i % 2 )] -
-                             (double)values[2 * (size_t)corners[0] + (size_t)( i % 2 )];
+    const float *values = uv_array( t, ref->uv_set ), *m = ref->transform;
     if ( values == NULL )
         return 0.0;
-    double det = side[0][0] * side[1][1] - side[1][0] * side[0][1];
-    return 0.5 * fabs( det * ( m[0] * m[3] - m[1] * m[2] ) );
+    const uint32_t* corners = corners_of( t, index );
+    double at[3][2];
+    for ( int i = 0; i < 6; ++i )
+        at[i / 2][i % 2] = (double)values[2 * (size_t)corners[i / 2] + (size_t)( i % 2 )];
+    double det = ( at[1][0] - at[0][0] ) * ( at[2][1] - at[0][1] ) - ( at[1][1] - at[0][1] ) * ( at[2][0] - at[0][0] );
+    return 0.5 * fabs( det * ( (double)m[0] * (double)m[4] - (double)m[1] * (double)m[3] ) );
+}
+
+// The mip level of a lookup; 0 where it is no mean: alpha may make a roughness, and what is cut out may have any colour.
+static float level_of( const Point* p, RfTextureSlot slot )
+{
+    const RfTextured* m = p->m->textured;
+    const RfTexture* texture = p->scene->textures + m->refs[slot].texture;
+    bool colour = ( COLOURS >> slot & 1 ) && !( slot == RF_TEXTURE_SPECULAR_COLOR && m->glossy );
+    if ( !( p->share > 0.0f ) || texture->levels == NULL || !colour || m->masked || m->blended )
+        return 0.0f;
+    return rf_mip_level( texture, (double)p->share * area_on_texture( m->refs + slot, p->t, p->index ) );
 }
 
 // Looks up a texture slot; false if it has no texture.
 static bool look_up_slot( const Point* p, RfTextureSlot slot, float rgba[4] )
 {
-    const RfTextured* textured = p->m->textured;
-    const RfTextureRef* ref = textured->refs + slot;
+    const RfTextureRef* ref = p->m->textured->refs + slot;
     if ( ref->texture < 0 )
         return false;
     float at[2];
     texture_coordinates( ref, p->t, p->index, p->u, p->v, at );
-    const RfTexture* texture = p->scene->textures + ref->texture;
-    // of cut-outs, what is transparent may have any colour
-    bool mean = p->share > 0.0f && ( COLOURS >> slot & 1 ) && !textured->masked && !textured->blended;
-    rf_look_up( texture, ref, at,
-                mean ? rf_mip_level( texture, (double)p->share * area_on_texture( ref, p->t, p->index ) ) : 0.0f, rgba );
+    rf_look_up( p->scene->textures + ref->texture, ref, at, level_of( p, slot ), rgba );
     return true;
 }
 
