@@ -13,22 +13,17 @@ enum
     IMPORTER_AUTO,
     IMPORTER_ASSIMP
 };
-enum
-{
-    UP_Y,
-    UP_Z
-};
 
 static RfConvertOptions s_convert; // the table points here
 static int s_importer, s_up;
 static bool s_quiet;
 static const char* s_json;
 static const char* const s_importers[] = { "auto", "assimp", NULL };
-static const char* const s_ups[] = { "y", "z", NULL };
+static const char* const s_ups[] = { "file", "y", "z", NULL } /* as RfUpAxis */;
 static const char* const s_files[] = { "IN", "OUT.glb" };
 
 static const RfOption s_options[] = {
-    RF_CHOICE_OPTION( "up", &s_up, s_ups, "up axis of IN; z is rotated to glTF's y" ),
+    RF_CHOICE_OPTION( "up", &s_up, s_ups, "up axis of IN; file: as FBX and Collada say, y for others; z is rotated to glTF's y" ),
     RF_REAL_OPTION( "scale", &s_convert.scale, 1e-9, 1e9, "S", "metres per unit of IN, in addition to the file's own unit" ),
     RF_CHOICE_OPTION( "importer", &s_importer, s_importers, "reader for IN; auto: Reframe's own for PLY, assimp for the rest" ),
     RF_MEMORY_OPTION( "memory", &s_convert.memory, 128 << 20, "SIZE", "address space limit for assimp" ),
@@ -82,7 +77,7 @@ static RfResult convert( void* user, RfError* error )
     json_t* losses = json_array();
     RfLog log = { .fn = keep_loss, .user = losses };
     rf_catch_interrupts();
-    s_convert.z_up = s_up == UP_Z;
+    s_convert.up = (RfUpAxis)s_up;
     s_convert.assimp = s_importer == IMPORTER_ASSIMP;
     s_convert.is_interrupted = is_interrupted;
     RfResult result = rf_convert_model( from, to, &s_convert, &counts, &log, error );

@@ -82,11 +82,12 @@ static RfResult start( const RfImporterRun* run, int out, pid_t* child, int* mes
     unsigned long long bits;
     memcpy( &bits, &run->scale, sizeof bits );
     snprintf( scale, sizeof scale, "%llx", bits );
+    static const char* const ups[] = { "file", "y", "z" }; // as RfUpAxis
     char* arguments[] = { "reframe-import",
                           (char*)run->source,
                           memory,
                           seconds,
-                          run->z_up ? "z" : "y",
+                          (char*)ups[run->up],
                           scale,
                           run->accept_losses ? "accept" : "refuse",
                           NULL };
@@ -265,7 +266,7 @@ static RfResult convert_by_assimp( const char* from, const char* to, const RfCon
                           .target = to,
                           .memory = options->memory,
                           .seconds = options->seconds,
-                          .z_up = options->z_up,
+                          .up = options->up,
                           .scale = options->scale,
                           .accept_losses = options->accept_losses,
                           .is_interrupted = options->is_interrupted,
@@ -279,7 +280,7 @@ static RfResult convert_ply( const char* from, const char* to, const RfConvertOp
     RfModel model;
     RfResult result = rf_read_ply( from, &model, log, error );
     if ( result == RF_OK )
-        result = rf_apply_root_transform( &model, options->z_up, options->scale, error );
+        result = rf_apply_root_transform( &model, options->up == RF_UP_Z, options->scale, error );
     if ( result == RF_OK )
         result = rf_write_glb( to, &model, options->overwrite, error );
     if ( result == RF_OK )

@@ -12,7 +12,7 @@ typedef struct RfImporterRun
     const char* target; // written atomically, replaced if it exists
     size_t memory;      // limit of its address space, bytes
     double seconds;     // limit of wall-clock time, after which it is killed
-    bool z_up;
+    RfUpAxis up;
     double scale;
     bool accept_losses;
     bool ( *is_interrupted )( void* user ); // polled several times a second; or NULL

@@ -1,6 +1,6 @@
 // From assimp's scene to a model, and the program around it,
 //
-//     reframe-import FILE BYTES SECONDS y|z SCALE accept|refuse
+//     reframe-import FILE BYTES SECONDS file|y|z SCALE accept|refuse
 //
 // which writes FILE as .glb to standard output. Started by `reframe convert`. It limits its own memory and time, so that whatever
 // a file does to assimp affects only this process.
@@ -60,33 +60,32 @@ static void find_unit( RfImport* import )
     }
 }
 
-// assimp turns Collada files to y up; FBX files only from 5.4 on, by a rotation of the root. That is taken out: whether z
-// is up in the file is the user's to say, who has other formats too.
-static void leave_fbx_axes( RfImport* import )
+// assimp turns Collada files to y up; FBX files only from 5.4 on, by a rotation of the root. Does that for older ones, or
+// takes it out where the user says what is up.
+static void turn_fbx_axes( RfImport* import )
 {
     static const char* const names[3][2] = { { "CoordAxis", "CoordAxisSign" },
                                              { "UpAxis", "UpAxisSign" },
                                              { "FrontAxis", "FrontAxisSign" } };
     if ( import->source->format != RF_SOURCE_FBX )
         return;
-    if ( number_of_file( import->scene, "UpAxis", 1 ) == 2 )
-        rf_warn( import->log, "its z points up: unless that is given already, convert it with z up" );
-    if ( 100 * aiGetVersionMajor() + aiGetVersionMinor() < 504 )
+    if ( ( 100 * aiGetVersionMajor() + aiGetVersionMinor() >= 504 ) == import->up_of_file )
         return;
-    float back[3][3] = { { 0 } }; // its rows are the columns of assimp's rotation, whose rows are these axes
+    float turn[3][3] = { { 0 } }; // the axes are the rows of the rotation, and the columns of its inverse
     for ( int i = 0; i < 3; ++i )
     {
         int axis = number_of_file( import->scene, names[i][0], i );
         if ( axis < 0 || axis > 2 )
             return;
-        back[axis][i] = number_of_file( import->scene, names[i][1], 1 ) < 0 ? -1.0f : 1.0f;
+        float sign = number_of_file( import->scene, names[i][1], 1 ) < 0 ? -1.0f : 1.0f;
+        turn[import->up_of_file ? i : axis][import->up_of_file ? axis : i] = sign;
     }
     float* m = &import->scene->mRootNode->mTransformation.a1;
     for ( int row = 0; row < 3; ++row, m += 4 )
     {
         const float old[3] = { m[0], m[1], m[2] };
         for ( int i = 0; i < 3; ++i )
-            m[i] = old[0] * back[0][i] + old[1] * back[1][i] + old[2] * back[2][i];
+            m[i] = old[0] * turn[0][i] + old[1] * turn[1][i] + old[2] * turn[2][i];
     }
 }
 
@@ -121,7 +120,7 @@ static void restore_names( const RfImport* import )
 static RfResult take_all( RfImport* import, RfError* error )
 {
     find_unit( import );
-    leave_fbx_axes( import );
+    turn_fbx_axes( import );
     RF_TRY( rf_import_materials( import, error ) );
     if ( import->lost[0] != 0 && !import->accepts_losses )
         return rf_advise( rf_fail( error, RF_ERROR_IO, "%s", import->lost ), RF_REMEDY_ACCEPT_LOSSES, 0, error );
@@ -138,10 +137,13 @@ static RfResult take_all( RfImport* import, RfError* error )
 }
 
 // Imports a whole file. Messages do not name the file: the caller does.
-static RfResult import_by_assimp( const char* path, bool accepts_losses, RfModel* model, RfLog* log, RfError* error )
+static RfResult import_by_assimp( const char* path, bool accepts_losses, bool up_of_file, RfModel* model, RfLog* log,
+                                  RfError* error )
 {
     RfSource source;
-    RfImport import = { .source = &source, .model = model, .log = log, .accepts_losses = accepts_losses };
+    RfImport import = {
+        .source = &source, .model = model, .log = log, .accepts_losses = accepts_losses, .up_of_file = up_of_file
+    };
     RfResult result = rf_open_source( path, &source, log, error );
     // points and lines stay in their meshes and are counted there; equal vertices become one later, all that they have compared
     import.scene = result == RF_OK ? rf_read_source( &source, aiProcess_Triangulate ) : NULL;
@@ -229,7 +231,8 @@ static RfResult import_to( RfAtomicFile* out, char** argv, RfError* error )
     double scale;
     unsigned long long bits = strtoull( argv[5], NULL, 16 );
     memcpy( &scale, &bits, sizeof scale );
-    RfResult result = import_by_assimp( argv[1], strcmp( argv[6], "accept" ) == 0, &model, &log, error );
+    RfResult result =
+        import_by_assimp( argv[1], strcmp( argv[6], "accept" ) == 0, strcmp( argv[4], "file" ) == 0, &model, &log, error );
     if ( result == RF_OK )
         result = rf_apply_root_transform( &model, argv[4][0] == 'z', scale, error );
     if ( result == RF_OK )

@@ -85,6 +85,7 @@ typedef struct RfImport
     double ( *origins )[3];      // per model mesh: what was taken off its positions, metres
     char ( *image_names )[1024]; // of the images read so far, as in the file
     int image_room;
+    bool up_of_file;     // FBX: its axes are turned to y up, as it says
     bool accepts_losses; // of images; else import_by_assimp fails with all of them
     char lost[880];      // those that cannot be read, and why; as many as fit
     RfPosed* posed;

@@ -43,9 +43,10 @@ static double pixel_solid_angle( const RfSky* sky, const RfEnvironment* e, int y
 }
 
 // Unit vector at azimuth 2π (u − ½) from the centre of the map, and the given height; u in [0, 1].
-static RfVec3 direction_of( const RfSky* sky, float u, double cos_up )
+static inline RfVec3 direction_of( const RfSky* sky, float u, double cos_up )
 {
-    float sine, cosine, across = (float)sqrt( fmax( 1.0 - cos_up * cos_up, 0.0 ) );
+    double across2 = 1.0 - cos_up * cos_up;
+    float sine, cosine, across = (float)sqrt( across2 > 0.0 ? across2 : 0.0 );
     rf_sincos_2pi( u, &sine, &cosine );
     float x = -across * sine, z = across * cosine;
     return rf_vec3( x * sky->cos_rotation + z * sky->sin_rotation, (float)cos_up, z * sky->cos_rotation - x * sky->sin_rotation );
@@ -71,15 +72,14 @@ static RfVec3 luminance_moment( const RfSky* sky, const RfEnvironment* e )
 }
 
 // The last entry from `low` on that is not above u, of those that are followed by a larger one; the next is at `high` at most.
-static int find_cell( const double* sum, int low, int high, double u )
+static int find_cell( const uint32_t* sum, int low, int high, uint32_t u )
 {
     while ( high - low > 1 )
     {
         int middle = ( low + high ) / 2;
-        if ( sum[middle] <= u )
-            low = middle;
-        else
-            high = middle;
+        bool above = sum[middle] > u;
+        high = above ? middle : high;
+        low = above ? low : middle;
     }
     return low;
 }
@@ -108,12 +108,11 @@ static float mean_cosine( float cosine, float radius )
     return cosine >= radius ? cosine : above * above / ( 4.0f * radius );
 }
 
-// Integer probabilities of the pixels of a cell, in units of 2⁻¹⁶ over their number: at least 1 for what is not black. Their sum is
-// exact. `weights` must not all be 0.
-static void round_probabilities( const double* weights, double total, uint32_t count, uint32_t* units )
+// Integer probabilities that sum up to `whole`, and are at least 1 for what is not black. `weights` must not all be 0.
+static void round_probabilities( const double* weights, double total, uint32_t count, int64_t whole, uint32_t* units )
 {
-    int64_t left = (int64_t)count << 16;
-    double scale = (double)left / total;
+    int64_t left = whole;
+    double scale = (double)whole / total;
     uint32_t largest = 0;
     for ( uint32_t i = 0; i < count; ++i )
     {
@@ -166,6 +165,8 @@ static void fill_cell( RfSky* sky, const RfEnvironment* e, int cell, const CellW
     uint32_t count = 1u << ( sky->column_bits + sky->row_bits );
     RfSkyPixel* pixels = sky->pixel + (size_t)cell * count;
     double total = 0.0;
+    sky->cell[cell].column = (uint16_t)x0;
+    sky->cell[cell].row = (uint16_t)y0;
     for ( uint32_t i = 0; i < count; ++i )
     {
         int x = x0 + (int)( i & ( ( 1u << sky->column_bits ) - 1 ) ), y = y0 + (int)( i >> sky->column_bits );
@@ -186,7 +187,7 @@ static void fill_cell( RfSky* sky, const RfEnvironment* e, int cell, const CellW
     }
     if ( !( total > 0.0 ) )
         return;
-    round_probabilities( work->weights, total, count, work->units );
+    round_probabilities( work->weights, total, count, (int64_t)count << 16, work->units ); // 2⁻¹⁶ of a column each
     for ( uint32_t i = 0; i < count; ++i )
     {
         int y = y0 + (int)( i >> sky->column_bits );
@@ -196,48 +197,51 @@ static void fill_cell( RfSky* sky, const RfEnvironment* e, int cell, const CellW
     fill_alias( pixels, count, work->units, work->list );
 }
 
-// The distribution of cells for each lobe, from what they send (sky->sum), and where searches begin.
-static void sum_cells( RfSky* sky )
+// The distribution of the cells for a lobe, from what they send, and where searches begin.
+static void sum_cells( RfSky* sky, int lobe, const double* flux, uint32_t* units )
 {
-    for ( int k = 0; k < RF_SKY_LOBES; ++k )
+    uint32_t *sum = sky->sum + (size_t)lobe * ( (size_t)sky->cells + 1 ), run = 0;
+    int32_t* guide = sky->guide + (size_t)lobe * ( ( (size_t)1 << sky->guide_bits ) + 1 );
+    double total = 0.0;
+    for ( int i = 0; i < sky->cells; ++i )
+        total += flux[i];
+    sky->total[lobe] = (float)total;
+    memset( units, 0, (size_t)sky->cells * sizeof *units );
+    if ( total > 0.0 )
+        round_probabilities( flux, total, (uint32_t)sky->cells, (int64_t)1 << 31, units );
+    for ( int i = 0; i <= sky->cells; ++i )
     {
-        double* sum = sky->sum + (size_t)k * ( (size_t)sky->cells + 1 );
-        int32_t* guide = sky->guide + (size_t)k * ( (size_t)sky->guide_parts + 1 );
-        double run = 0.0, total = 0.0;
-        for ( int i = 0; i < sky->cells; ++i )
-            total += sum[i];
-        sky->total[k] = (float)total;
-        for ( int i = 0; i <= sky->cells; ++i )
-        {
-            double next = run + ( i < sky->cells ? sum[i] : 0.0 );
-            sum[i] = total > 0.0 ? run / total : 0.0;
-            run = next;
-        }
-        for ( int i = 0; i < sky->cells; ++i )
-            sky->flux[i][k] = (float)( ( sum[i + 1] - sum[i] ) * total );
-        for ( int i = 0; i <= sky->guide_parts; ++i )
-            guide[i] = find_cell( sum, 0, sky->cells, (double)i / sky->guide_parts );
+        uint32_t of_cell = i < sky->cells ? units[i] : 0;
+        sum[i] = run;
+        run += of_cell;
+        if ( i < sky->cells )
+            sky->cell[i].flux[lobe] = (float)( of_cell * 0x1p-31 * total );
     }
+    for ( int i = 0; i <= 1 << sky->guide_bits; ++i )
+        guide[i] = find_cell( sum, 0, sky->cells, (uint32_t)i << ( 31 - sky->guide_bits ) );
 }
 
 static bool fill_cells( RfSky* sky, const RfEnvironment* e )
 {
-    size_t count = (size_t)1 << ( sky->column_bits + sky->row_bits );
-    CellWork work = { malloc( count * sizeof *work.weights ), malloc( count * sizeof *work.units ),
+    size_t count = (size_t)1 << ( sky->column_bits + sky->row_bits ), cells = (size_t)sky->cells;
+    size_t most = count > cells ? count : cells;
+    CellWork work = { malloc( count * sizeof *work.weights ), malloc( most * sizeof *work.units ),
                       malloc( count * sizeof *work.list ) };
-    bool complete = work.weights != NULL && work.units != NULL && work.list != NULL;
+    double* sums = malloc( RF_SKY_LOBES * cells * sizeof *sums );
+    bool complete = work.weights != NULL && work.units != NULL && work.list != NULL && sums != NULL;
     for ( int i = 0; i < sky->cells && complete; ++i )
     {
         double flux[RF_SKY_LOBES] = { 0 };
         fill_cell( sky, e, i, &work, flux );
         for ( int k = 0; k < RF_SKY_LOBES; ++k )
-            sky->sum[(size_t)k * ( (size_t)sky->cells + 1 ) + (size_t)i] = flux[k];
+            sums[(size_t)k * cells + (size_t)i] = flux[k];
     }
+    for ( int k = 0; k < RF_SKY_LOBES && complete; ++k )
+        sum_cells( sky, k, sums + (size_t)k * cells, work.units );
     free( work.weights );
     free( work.units );
     free( work.list );
-    if ( complete )
-        sum_cells( sky );
+    free( sums );
     return complete;
 }
 
@@ -247,15 +251,15 @@ static bool make_tables( RfSky* sky, const RfEnvironment* e )
     sky->row_bits = bits_of_block( e->height, 16 );
     sky->cells_across = ( e->width + ( 1 << sky->column_bits ) - 1 ) >> sky->column_bits;
     sky->cells = ( ( e->height + ( 1 << sky->row_bits ) - 1 ) >> sky->row_bits ) * sky->cells_across;
-    for ( sky->guide_parts = 1; 2 * sky->guide_parts <= sky->cells; sky->guide_parts *= 2 ) // a power of two: exact borders
+    for ( sky->guide_bits = 0; 1 << sky->guide_bits < sky->cells; ++sky->guide_bits )
         ;
     size_t cells = (size_t)sky->cells;
     sky->row_cosine = malloc( ( (size_t)e->height + 1 ) * sizeof *sky->row_cosine );
     sky->pixel = malloc( ( cells << ( sky->column_bits + sky->row_bits ) ) * sizeof *sky->pixel );
-    sky->flux = calloc( cells, sizeof *sky->flux );
+    sky->cell = calloc( cells, sizeof *sky->cell );
     sky->sum = malloc( RF_SKY_LOBES * ( cells + 1 ) * sizeof *sky->sum );
-    sky->guide = malloc( RF_SKY_LOBES * ( (size_t)sky->guide_parts + 1 ) * sizeof *sky->guide );
-    if ( sky->row_cosine == NULL || sky->pixel == NULL || sky->flux == NULL || sky->sum == NULL || sky->guide == NULL )
+    sky->guide = malloc( RF_SKY_LOBES * ( ( (size_t)1 << sky->guide_bits ) + 1 ) * sizeof *sky->guide );
+    if ( sky->row_cosine == NULL || sky->pixel == NULL || sky->cell == NULL || sky->sum == NULL || sky->guide == NULL )
         return false;
     for ( int y = 0; y <= e->height; ++y )
         sky->row_cosine[y] = cos( (double)y / e->height * 3.14159265358979324 );
@@ -298,7 +302,7 @@ void rf_destroy_sky( RfSky* sky )
 {
     free( sky->row_cosine );
     free( sky->pixel );
-    free( sky->flux );
+    free( sky->cell );
     free( sky->sum );
     free( sky->guide );
     *sky = ( RfSky ){ 0 };
@@ -369,7 +373,7 @@ static Lobes find_lobes( const RfSky* sky, RfVec3 n )
 // Of the lobes together.
 static float cell_probability( const RfSky* sky, const Lobes* lobes, int cell )
 {
-    const float* flux = sky->flux[cell];
+    const float* flux = sky->cell[cell].flux;
     float sum = 0.0f;
     for ( int k = 0; k < 3; ++k )
         sum += lobes->weight[k] * flux[lobes->of[k]];
@@ -383,7 +387,7 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi )
         return 0.25f * RF_INV_PI;
     MapPosition at = position_of( sky, wi );
     size_t pixel = pixel_index( sky, clamp_index( at.x, e->width ), clamp_index( at.y, e->height ) );
-    float probability = sky->flux[pixel >> ( sky->column_bits + sky->row_bits )][RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE];
+    float probability = sky->cell[pixel >> ( sky->column_bits + sky->row_bits )].flux[RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE];
     return probability * sky->pixel[pixel].density;
 }
 
@@ -400,73 +404,170 @@ float rf_sky_pdf_solid_angle_at( const RfSky* sky, RfVec3 n, RfVec3 wi )
     return cell_probability( sky, &lobes, (int)( pixel >> ( sky->column_bits + sky->row_bits ) ) ) * sky->pixel[pixel].density;
 }
 
-// A cell by a lobe; u in [0, 1).
-static int sample_cell( const RfSky* sky, int lobe, double u )
+// A cell by a lobe; u in units of 2⁻³¹.
+static int sample_cell( const RfSky* sky, int lobe, uint32_t u )
 {
-    const int32_t* guide = sky->guide + (size_t)lobe * ( (size_t)sky->guide_parts + 1 ) + (int)( u * sky->guide_parts );
+    const int32_t* guide =
+        sky->guide + (size_t)lobe * ( ( (size_t)1 << sky->guide_bits ) + 1 ) + ( u >> ( 31 - sky->guide_bits ) );
     return find_cell( sky->sum + (size_t)lobe * ( (size_t)sky->cells + 1 ), guide[0], guide[1] + 1, u );
 }
 
-// A pixel of a cell of this probability, and a direction within that.
-static RfSkySample sample_in_cell( const RfSky* sky, int cell, float probability, uint32_t bits, const float u[2] )
+// Samples of a map on their way from a cell to a direction.
+typedef struct SkyBlock
+{
+    _Alignas( 64 ) float weight[3][RF_SKY_LANES], sum[RF_SKY_LANES]; // of the lobes; their sum, 0: nothing arrives
+    int32_t side[3][RF_SKY_LANES], lobe[RF_SKY_LANES];               // the lobes, and the one that the sample is of
+    int32_t within[RF_SKY_LANES],
+        length[RF_SKY_LANES];        // place in its distribution, in units of 2⁻³¹; its share, in units of 2⁻³⁰
+    float probability[RF_SKY_LANES]; // of the cell
+    int32_t cell[RF_SKY_LANES];
+    uint32_t pixel[RF_SKY_LANES],
+        part[RF_SKY_LANES]; // number in its cell; the fraction that decides between it and its alias, in units of 2⁻¹⁶
+    _Alignas( 64 ) double x[RF_SKY_LANES], top[RF_SKY_LANES],
+        bottom[RF_SKY_LANES]; // column with the place in it, cosines at the ends of the row
+} SkyBlock;
+
+// Pixels of the cells, by their alias tables. A loop for each step, so that what it needs of large tables comes together.
+static void find_pixels( const RfSky* sky, int count, const uint32_t* bits, const float* u, SkyBlock* b, float* pdf_solid_angle )
 {
     int pixel_bits = sky->column_bits + sky->row_bits;
-    const RfSkyPixel* pixels = sky->pixel + ( (size_t)cell << pixel_bits );
-    uint32_t pixel = pixel_bits > 0 ? bits >> ( 32 - pixel_bits ) : 0, part = bits >> ( 16 - pixel_bits ) & 0xffff;
-    pixel = part < pixels[pixel].threshold ? pixel : pixels[pixel].alias;
-    int x = ( cell % sky->cells_across << sky->column_bits ) + (int)( pixel & ( ( 1u << sky->column_bits ) - 1 ) ),
-        y = ( cell / sky->cells_across << sky->row_bits ) + (int)( pixel >> sky->column_bits );
-    double top = sky->row_cosine[y], bottom = sky->row_cosine[y + 1];
-    double cos_up = top + ( (double)u[1] + 0x1p-25 ) * ( bottom - top );
-    RfVec3 wi = direction_of( sky, (float)( ( x + (double)u[0] + 0x1p-25 ) / sky->environment->width ), cos_up );
-    return ( RfSkySample ){ .wi = wi, .pdf_solid_angle = probability * pixels[pixel].density };
+    for ( int i = 0; i < count; ++i )
+    {
+        b->pixel[i] = pixel_bits > 0 ? bits[i] >> ( 32 - pixel_bits ) : 0;
+        b->part[i] = bits[i] >> ( 16 - pixel_bits ) & 0xffff;
+        __builtin_prefetch( sky->pixel + ( ( (size_t)b->cell[i] << pixel_bits ) + b->pixel[i] ) );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfSkyPixel* pixels = sky->pixel + ( (size_t)b->cell[i] << pixel_bits );
+        const RfSkyPixel* column = pixels + b->pixel[i];
+        b->pixel[i] = b->part[i] < column->threshold ? b->pixel[i] : column->alias;
+        __builtin_prefetch( pixels + b->pixel[i] );
+    }
+    for ( int i = 0; i < count; ++i )
+    {
+        const RfSkyCell* cell = sky->cell + b->cell[i];
+        uint32_t pixel = b->pixel[i];
+        const double* ends = sky->row_cosine + cell->row + ( pixel >> sky->column_bits );
+        b->x[i] = (double)( cell->column + ( pixel & ( ( 1u << sky->column_bits ) - 1 ) ) ) + (double)u[i];
+        b->top[i] = ends[0];
+        b->bottom[i] = ends[1];
+        pdf_solid_angle[i] = b->probability[i] * sky->pixel[( (size_t)b->cell[i] << pixel_bits ) + pixel].density;
+    }
+}
+
+// Directions within the pixels.
+static void place_directions( const RfSky* sky, int count, const float* restrict v, const SkyBlock* restrict b,
+                              float* const wi[3] )
+{
+    float* restrict x = wi[0], * restrict y = wi[1], * restrict z = wi[2];
+    double width = sky->environment->width;
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        double cos_up = b->top[i] + ( (double)v[i] + 0x1p-25 ) * ( b->bottom[i] - b->top[i] );
+        RfVec3 d = direction_of( sky, (float)( ( b->x[i] + 0x1p-25 ) / width ), cos_up );
+        x[i] = d.x;
+        y[i] = d.y;
+        z[i] = d.z;
+    }
 }
 
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] )
 {
-    RfSkySample sample;
+    RfSkySample sample = { .pdf_solid_angle = 0.25f * RF_INV_PI };
     if ( sky->environment->map != NULL )
     {
-        int cell = sample_cell( sky, RF_SKY_SPHERE, (double)bits[0] * 0x1p-32 );
-        sample = sample_in_cell( sky, cell, sky->flux[cell][RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE], bits[1], u );
+        SkyBlock block;
+        float* wi[3] = { &sample.wi.x, &sample.wi.y, &sample.wi.z };
+        int cell = block.cell[0] = sample_cell( sky, RF_SKY_SPHERE, bits[0] >> 1 );
+        block.probability[0] = sky->cell[cell].flux[RF_SKY_SPHERE] / sky->total[RF_SKY_SPHERE];
+        find_pixels( sky, 1, bits + 1, u, &block, &sample.pdf_solid_angle );
+        place_directions( sky, 1, u + 1, &block, wi );
     }
     else
-        sample =
-            ( RfSkySample ){ .wi = direction_of( sky, u[0], 1.0 - 2.0 * (double)u[1] ), .pdf_solid_angle = 0.25f * RF_INV_PI };
+        sample.wi = direction_of( sky, u[0], 1.0 - 2.0 * (double)u[1] );
     sample.radiance = rf_sky_radiance( sky, sample.wi );
     return sample;
 }
 
-static RfSkySample sample_even_sky( RfVec3 n, const float u[2] )
+// Cosine-weighted, for a sky that is the same everywhere.
+static void sample_even_sky( int count, const RfSkyLanes* lanes )
 {
-    float sine, cosine, up = sqrtf( 1.0f - u[1] ), across = sqrtf( u[1] );
-    RfVec3 t, b;
-    rf_basis( n, &t, &b );
-    rf_sincos_2pi( u[0], &sine, &cosine );
-    RfVec3 wi = rf_madd( rf_add( rf_scale( t, across * cosine ), rf_scale( b, across * sine ) ), n, up );
-    return ( RfSkySample ){ .wi = wi, .pdf_solid_angle = up * RF_INV_PI };
+    for ( int i = 0; i < count; ++i )
+    {
+        float sine, cosine, up = sqrtf( 1.0f - lanes->u[1][i] ), across = sqrtf( lanes->u[1][i] );
+        RfVec3 t, b, n = RF_GET3( lanes->n, i );
+        rf_basis( n, &t, &b );
+        rf_sincos_2pi( lanes->u[0][i], &sine, &cosine );
+        RfVec3 wi = rf_madd( rf_add( rf_scale( t, across * cosine ), rf_scale( b, across * sine ) ), n, up );
+        RF_PUT3( lanes->wi, i, wi );
+        lanes->pdf_solid_angle[i] = up * RF_INV_PI;
+    }
 }
 
-RfSkySample rf_sample_sky_direction_at( const RfSky* sky, RfVec3 n, const uint32_t bits[2], const float u[2] )
+// The lobes of a normal (find_lobes), and by a number one of them in proportion to what they send.
+static void select_lobes( const RfSky* sky, int count, const float* const n[3], const uint32_t* restrict bits,
+                          SkyBlock* restrict b )
+{
+    const float *nx = n[0], *ny = n[1], *nz = n[2], *total = sky->total;
+    float c = sky->cos_rotation, s = sky->sin_rotation;
+    float of_x[2] = { total[0], total[1] }, of_y[2] = { total[2], total[3] }, of_z[2] = { total[4], total[5] };
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+    {
+        float x = nx[i] * c - nz[i] * s, y = ny[i], z = nx[i] * s + nz[i] * c;
+        float part_x = fabsf( x ) * ( x < 0.0f ? of_x[1] : of_x[0] );
+        float part_y = fabsf( y ) * ( y < 0.0f ? of_y[1] : of_y[0] );
+        float part_z = fabsf( z ) * ( z < 0.0f ? of_z[1] : of_z[0] );
+        int side_x = x < 0.0f ? 1 : 0, side_y = y < 0.0f ? 3 : 2, side_z = z < 0.0f ? 5 : 4;
+        float sum = part_x + part_y + part_z, scale = sum > 0.0f ? 0x1p30f : 0.0f, divisor = sum > 0.0f ? sum : 1.0f;
+        // in units of 2⁻³⁰: a lobe that sends nothing is of no length
+        int32_t first = (int32_t)( part_x / divisor * scale ), second = (int32_t)( ( part_x + part_y ) / divisor * scale );
+        int32_t position = (int32_t)( bits[i] >> 2 );
+        int32_t start = position >= first ? first : 0, end = position >= first ? second : first;
+        int lobe = position >= first ? side_y : side_x;
+        start = position >= second ? second : start;
+        end = position >= second ? 1 << 30 : end;
+        lobe = position >= second ? side_z : lobe;
+        b->weight[0][i] = fabsf( x );
+        b->weight[1][i] = fabsf( y );
+        b->weight[2][i] = fabsf( z );
+        b->side[0][i] = side_x;
+        b->side[1][i] = side_y;
+        b->side[2][i] = side_z;
+        b->sum[i] = sum;
+        b->lobe[i] = lobe;
+        b->within[i] = position - start;
+        b->length[i] = end - start;
+    }
+#pragma omp simd
+    for ( int i = 0; i < count; ++i )
+        b->within[i] = (int32_t)( (double)b->within[i] / (double)b->length[i] * 0x1p31 );
+}
+
+static void find_cells( const RfSky* sky, int count, SkyBlock* b )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int cell = b->cell[i] = sample_cell( sky, b->lobe[i], (uint32_t)b->within[i] );
+        const float* flux = sky->cell[cell].flux;
+        float sent =
+            b->weight[0][i] * flux[b->side[0][i]] + b->weight[1][i] * flux[b->side[1][i]] + b->weight[2][i] * flux[b->side[2][i]];
+        b->probability[i] = b->sum[i] > 0.0f ? sent / b->sum[i] : 0.0f;
+    }
+}
+
+void rf_sample_sky_directions( const RfSky* sky, int count, const RfSkyLanes* lanes )
 {
     if ( sky->environment->map == NULL )
-        return sample_even_sky( n, u );
-    Lobes lobes = find_lobes( sky, n );
-    if ( !( lobes.sum > 0.0f ) )
-        return ( RfSkySample ){ .wi = n };
-    double position = (double)bits[0] * 0x1p-32 * (double)lobes.sum, part[3];
-    for ( int k = 0; k < 3; ++k )
-        part[k] = (double)( lobes.weight[k] * sky->total[lobes.of[k]] );
-    int k = position >= part[0];
-    position -= k > 0 ? part[0] : 0.0;
-    if ( k > 0 && position >= part[1] && part[2] > 0.0 )
     {
-        position -= part[1];
-        k = 2;
+        sample_even_sky( count, lanes );
+        return;
     }
-    if ( !( part[k] > 0.0 ) ) // by rounding of the sum
-        k = part[0] > 0.0 ? 0 : 1;
-    double within = position / part[k];
-    int cell = sample_cell( sky, lobes.of[k], within < 1.0 - 0x1p-52 ? within : 1.0 - 0x1p-52 );
-    return sample_in_cell( sky, cell, cell_probability( sky, &lobes, cell ), bits[1], u );
+    SkyBlock block;
+    select_lobes( sky, count, lanes->n, lanes->bits[0], &block );
+    find_cells( sky, count, &block );
+    find_pixels( sky, count, lanes->bits[1], lanes->u[0], &block, lanes->pdf_solid_angle );
+    place_directions( sky, count, lanes->u[1], &block, lanes->wi );
 }

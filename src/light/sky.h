@@ -19,6 +19,12 @@ typedef struct RfSkyPixel
     float density;             // of the pixel in the cell: its probability over its solid angle, 1/sr
 } RfSkyPixel;
 
+typedef struct RfSkyCell
+{
+    float flux[RF_SKY_LOBES]; // luminance times cosine times solid angle, W/m²
+    uint16_t column, row;     // of its first pixel
+} RfSkyCell;
+
 typedef struct RfSky
 {
     const RfEnvironment* environment; // NULL: there is none
@@ -26,15 +32,15 @@ typedef struct RfSky
     float mean_luminance;    // over the sphere, W/(m² sr)
     RfVec3 luminance_moment; // mean of luminance times direction over the sphere, W/(m² sr)
     // of a map, in its own directions, before it is turned:
-    double* row_cosine;                // height + 1 cosines with +y: of the upper ends of the rows, and of the lowest end
-    int column_bits, row_bits;         // a cell has 2^column_bits × 2^row_bits pixels, of which some may lie outside of the map
-    int cells_across, cells;           // cells in a row of them, and in all
-    RfSkyPixel* pixel;                 // cell by cell
-    float ( *flux )[RF_SKY_LOBES + 1]; // of each cell by lobe: luminance times cosine times solid angle, W/m²; the last is unused
-    float total[RF_SKY_LOBES];         // of all cells
-    double* sum;                       // of each lobe, cells + 1: the cumulative distribution of the cells
-    int guide_parts;                   // a power of two
-    int32_t* guide;                    // of each lobe, guide_parts + 1: the cells at every 1 / guide_parts
+    double* row_cosine;        // height + 1 cosines with +y: of the upper ends of the rows, and of the lowest end
+    int column_bits, row_bits; // a cell has 2^column_bits × 2^row_bits pixels, of which some may lie outside of the map
+    int cells_across, cells;   // cells in a row of them, and in all
+    RfSkyPixel* pixel;         // cell by cell
+    RfSkyCell* cell;
+    float total[RF_SKY_LOBES]; // of all cells
+    uint32_t* sum;             // of each lobe, cells + 1: the cumulative distribution of the cells, in units of 2⁻³¹
+    int guide_bits;
+    int32_t* guide; // of each lobe, 2^guide_bits + 1: the cells at every 2^−guide_bits
 } RfSky;
 
 // A direction towards the sky and what comes from there.
@@ -68,9 +74,22 @@ float rf_sky_pdf_solid_angle( const RfSky* sky, RfVec3 wi );
 // A direction of the sphere. `bits` select the pixel. `u`: two uniform numbers in [0, 1) for the point within it.
 RfSkySample rf_sample_sky( const RfSky* sky, const uint32_t bits[2], const float u[2] );
 
-// Directions to a surface that is lit from the side of its unit normal n, in proportion to a bound of radiance times cosine, with a
-// density above 0 wherever both are; 0: nothing arrives. The radiance of the sample is left 0: few directions are asked for it.
+// Samples that are drawn together.
+#define RF_SKY_LANES 128
+
+// Directions to surfaces that are lit from the side of their normal, in proportion to a bound of radiance times cosine, with a
+// density above 0 wherever both are.
+typedef struct RfSkyLanes
+{
+    const float* n[3];       // unit
+    const uint32_t* bits[2]; // select the pixel
+    const float* u[2];       // uniform in [0, 1), for the point within it
+    float* wi[3];            // unit
+    float* pdf_solid_angle;  // 0: nothing arrives
+} RfSkyLanes;
+
+// `count` is at most RF_SKY_LANES.
+void rf_sample_sky_directions( const RfSky* sky, int count, const RfSkyLanes* lanes );
 float rf_sky_pdf_solid_angle_at( const RfSky* sky, RfVec3 n, RfVec3 wi );
-RfSkySample rf_sample_sky_direction_at( const RfSky* sky, RfVec3 n, const uint32_t bits[2], const float u[2] );
 
 #endif

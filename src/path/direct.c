@@ -106,40 +106,18 @@ static NonAreaSample sample_lamp( const RfLights* lights, const RfPunctual* p, f
     return sample;
 }
 
-static NonAreaSample sample_sky( const RfLights* lights, RfRandomKey key, uint32_t dimension, const float u[2], float probability,
-                                 RfVec3 from, RfVec3 n )
+// Samples the light selected at `from`, which must not be a triangle or the sky. `u`: two uniform numbers.
+static NonAreaSample sample_punctual( const RfLights* lights, RfLightSelection selection, const float u[2], RfVec3 from )
 {
-    uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
-    uint32_t bits[2] = { (uint32_t)( u[0] * 0x1p24f ) << 8 | rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) >> 24,
-                         rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half };
-    const float within[2] = { rf_random( key, ( own + 1 ) | RF_DIMENSION_WITHIN ),
-                              rf_random( key, ( own + 2 ) | RF_DIMENSION_WITHIN ) };
-    bool even = lights->sky.environment->map == NULL;
-    RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, n, bits, even ? u : within );
-    return ( NonAreaSample ){
-        .wi = sky.wi,
-        .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
-        .pdf_solid_angle = sky.pdf_solid_angle * probability,
-        .distance = 2.0f * ( rf_length( rf_sub( from, lights->center ) ) + lights->reach ),
-        .sky = true,
-    };
-}
-
-// Samples the light selected at `from`, which must not be a triangle. `u`: the
-// numbers of the two dimensions after `dimension`; the sky uses others as well.
-static NonAreaSample sample_non_area( const RfLights* lights, RfLightSelection selection, RfRandomKey key, uint32_t dimension,
-                                      const float u[2], RfVec3 from, RfVec3 n )
-{
-    float probability = selection.probability;
+    const RfPunctual* p = rf_punctual_light( lights, selection.light );
     switch ( rf_light_kind( lights, selection.light ) )
     {
-        case RF_LIGHT_TRIANGLE: break; // sampled in the vector loop
+        case RF_LIGHT_TRIANGLE: // sampled in the vector loop
+        case RF_LIGHT_SKY: break;
         case RF_LIGHT_POINT:
-        case RF_LIGHT_SPOT: return sample_lamp( lights, rf_punctual_light( lights, selection.light ), probability, u, from );
-        case RF_LIGHT_PLANE: return sample_extent( rf_punctual_light( lights, selection.light ), probability, u, from );
-        case RF_LIGHT_DIRECTIONAL:
-            return sample_directional( lights, rf_punctual_light( lights, selection.light ), probability, u, from );
-        case RF_LIGHT_SKY: return sample_sky( lights, key, dimension, u, probability, from, n );
+        case RF_LIGHT_SPOT: return sample_lamp( lights, p, selection.probability, u, from );
+        case RF_LIGHT_PLANE: return sample_extent( p, selection.probability, u, from );
+        case RF_LIGHT_DIRECTIONAL: return sample_directional( lights, p, selection.probability, u, from );
     }
     return ( NonAreaSample ){ 0 };
 }
@@ -158,6 +136,14 @@ typedef struct LightPoints
     int32_t non_area[RF_LANES];
     bool sky[RF_LANES]; // where non_area_count > 0
 } LightPoints;
+
+// Samples of the sky, those alone.
+typedef struct SkySamples
+{
+    RF_ALIGN float n[3][RF_SKY_LANES];
+    float u[2][RF_SKY_LANES], wi[3][RF_SKY_LANES], pdf_solid_angle[RF_SKY_LANES];
+    uint32_t bits[2][RF_SKY_LANES];
+} SkySamples;
 
 // Where scattered rays start as well, so that both techniques of (E3) measure the
 // same directions and distances.
@@ -290,35 +276,102 @@ static bool leaves_to_connections( const RfPathSettings* settings, const RfWavef
     return cos_x > RF_MIN_COS && cos_o > RF_MIN_COS;
 }
 
+// What connect() leaves of lane i where its light is punctual or the environment.
+static void put_sample( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, int i,
+                        const NonAreaSample* s, LightPoints* points, RfLightLanes* out, RfLaneScratch* scratch )
+{
+    float cos_x = rf_dot( RF_GET3( v->n, i ), s->wi );
+    bool is_finite = rf_max_component( s->radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
+    if ( !( cos_x > 0.0f && rf_dot( RF_GET3( v->ng, i ), s->wi ) > 0.0f && s->pdf_solid_angle > 0.0f && is_finite ) ||
+         ( !s->sky && leaves_to_connections( settings, keys, v, i, cos_x ) ) )
+        return;
+    float wi[3] = { s->wi.x, s->wi.y, s->wi.z }, radiance[3] = { s->radiance.x, s->radiance.y, s->radiance.z };
+    for ( int c = 0; c < 3; ++c )
+    {
+        out->wi[c][i] = wi[c];
+        out->radiance_cos[c][i] = radiance[c] * cos_x;
+        scratch->d[c][i] = wi[c] * s->distance;
+    }
+    out->pdf_solid_angle[i] = s->pdf_solid_angle;
+    points->sky[i] = s->sky;
+}
+
+// Numbers of samples of the sky, in the order of `lane`: those of the selection select the pixel, as far as they are of the sky.
+static void draw_sky_numbers( const RfWavefront* keys, const RfVertexLanes* v, int count, const int32_t* lane, uint32_t dimension,
+                              const RfLaneScratch* scratch, SkySamples* sky )
+{
+    uint32_t own = dimension & ~RF_DIMENSION_OPPOSITE, half = own == dimension ? 0 : 0x80000000u;
+#pragma omp simd
+    for ( int k = 0; k < count; ++k )
+    {
+        int i = lane[k];
+        RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
+        sky->bits[0][k] = (uint32_t)(int32_t)( scratch->random[0][i] * 0x1p24f ) << 8 |
+                          rf_random_bits( key, ( own + 1 ) | RF_DIMENSION_TWIN ) >> 24;
+        sky->bits[1][k] = rf_random_bits( key, ( own + 2 ) | RF_DIMENSION_TWIN ) ^ half;
+        sky->u[0][k] = rf_random( key, ( own + 1 ) | RF_DIMENSION_WITHIN );
+        sky->u[1][k] = rf_random( key, ( own + 2 ) | RF_DIMENSION_WITHIN );
+        RfVec3 n = RF_GET3( v->n, i );
+        RF_PUT3( sky->n, k, n );
+    }
+}
+
+static void sample_sky( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, LightPoints* points,
+                        int count, const int32_t* lane, RfLightSample sample, RfLightLanes* out, RfLaneScratch* scratch )
+{
+    const RfLights* lights = rf_tracer_lights( tracer_of( settings, sample.frame ) );
+    SkySamples sky;
+    draw_sky_numbers( keys, v, count, lane, sample.dimension, scratch, &sky );
+    for ( int k = 0; k < count && lights->sky.environment->map == NULL; ++k )
+    {
+        sky.u[0][k] = scratch->random[0][lane[k]];
+        sky.u[1][k] = scratch->random[1][lane[k]];
+    }
+    const RfSkyLanes lanes = { { sky.n[0], sky.n[1], sky.n[2] },
+                               { sky.bits[0], sky.bits[1] },
+                               { sky.u[0], sky.u[1] },
+                               { sky.wi[0], sky.wi[1], sky.wi[2] },
+                               sky.pdf_solid_angle };
+    rf_sample_sky_directions( &lights->sky, count, &lanes );
+    for ( int k = 0; k < count; ++k )
+    {
+        int i = lane[k];
+        const NonAreaSample s = {
+            .wi = RF_GET3( sky.wi, k ),
+            .radiance = rf_vec3( 1.0f, 1.0f, 1.0f ),
+            .pdf_solid_angle = sky.pdf_solid_angle[k] * points->selection[i].probability,
+            .distance = 2.0f * ( rf_length( rf_sub( RF_GET3( scratch->o, i ), lights->center ) ) + lights->reach ),
+            .sky = true,
+        };
+        put_sample( settings, keys, v, i, &s, points, out, scratch );
+    }
+}
+
 // connect() for punctual lights and the environment, whose radiance is still 1.
 static void connect_non_area( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v,
                               LightPoints* points, RfLightSample sample, RfLightLanes* out, RfLaneScratch* scratch )
 {
     const RfLights* lights = rf_tracer_lights( tracer_of( settings, sample.frame ) );
+    int32_t lane[RF_LANES];
+    int sky_count = 0;
     memset( points->sky, 0, sizeof points->sky );
     for ( int k = 0; k < points->non_area_count; ++k )
     {
         int i = points->non_area[k];
-        RfVec3 from = RF_GET3( scratch->o, i );
-        RfRandomKey key = { keys->key_a[v->slot[i]], keys->key_b[v->slot[i]] };
-        float u[2] = { scratch->random[0][i], scratch->random[1][i] };
-        RfVec3 ng = RF_GET3( v->ng, i );
-        RfVec3 n = RF_GET3( v->n, i );
-        NonAreaSample s = sample_non_area( lights, points->selection[i], key, sample.dimension, u, from, n );
-        float cos_x = rf_dot( n, s.wi );
-        bool is_finite = rf_max_component( s.radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
-        if ( !( cos_x > 0.0f && rf_dot( ng, s.wi ) > 0.0f && s.pdf_solid_angle > 0.0f && is_finite ) ||
-             ( !s.sky && leaves_to_connections( settings, keys, v, i, cos_x ) ) )
-            continue;
-        float wi[3] = { s.wi.x, s.wi.y, s.wi.z }, radiance[3] = { s.radiance.x, s.radiance.y, s.radiance.z };
-        for ( int c = 0; c < 3; ++c )
+        lane[sky_count] = i;
+        if ( rf_light_kind( lights, points->selection[i].light ) == RF_LIGHT_SKY )
         {
-            out->wi[c][i] = wi[c];
-            out->radiance_cos[c][i] = radiance[c] * cos_x;
-            scratch->d[c][i] = wi[c] * s.distance;
+            ++sky_count;
+            continue;
         }
-        out->pdf_solid_angle[i] = s.pdf_solid_angle;
-        points->sky[i] = s.sky;
+        float u[2] = { scratch->random[0][i], scratch->random[1][i] };
+        NonAreaSample s = sample_punctual( lights, points->selection[i], u, RF_GET3( scratch->o, i ) );
+        put_sample( settings, keys, v, i, &s, points, out, scratch );
+    }
+    for ( int first = 0; first < sky_count; first += RF_SKY_LANES )
+    {
+        int some = sky_count - first < RF_SKY_LANES ? sky_count - first : RF_SKY_LANES;
+        sample_sky( settings, keys, v, points, some, lane + first, sample, out, scratch );
     }
 }
 

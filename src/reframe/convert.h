@@ -1,7 +1,7 @@
 // Converts models of other formats (OBJ, PLY, FBX, Collada) to .glb, which rf_open_scene reads.
 //
 //     RfConvertOptions options = rf_default_convert_options();
-//     options.z_up = true;
+//     options.up = RF_UP_Z;
 //     RfResult result = rf_convert_model( "bunny.ply", "bunny.glb", &options, NULL, &log, &error );
 #ifndef REFRAME_CONVERT_H
 #define REFRAME_CONVERT_H
@@ -11,9 +11,17 @@
 
 RF_API_BEGIN
 
+// Which axis of a model points up, and becomes glTF's y.
+typedef enum RfUpAxis
+{
+    RF_UP_OF_FILE, // as the file says (FBX, Collada); y where it does not
+    RF_UP_Y,
+    RF_UP_Z
+} RfUpAxis;
+
 typedef struct RfConvertOptions
 {
-    bool z_up;                              // the model's z points up: it is turned to glTF's y
+    RfUpAxis up;                            // FBX: in place of what the file says; Collada: after it
     double scale;                           // metres per unit of the model, after what its own units say
     bool overwrite;                         // a target that is there is replaced; else it is an error
     bool accept_losses;                     // textures that cannot be read are left out, with a warning; else they are an error
@@ -26,7 +34,7 @@ typedef struct RfConvertOptions
     void* user;
 } RfConvertOptions;
 
-// Y up, scale 1, 4 GiB, 120 s.
+// Up as the file says, scale 1, 4 GiB, 120 s.
 RfConvertOptions rf_default_convert_options( void );
 
 // What is in a model, instances counted once; `morphs` are morph targets.

@@ -255,7 +255,16 @@ TEST_WITHIN( test_fbx_arrives, convert_enter, convert_leave )
     const CliResult* run = cli_run( "$R convert f.fbx f.glb" );
     assert_int_equal( run->status, 0 );
     assert_non_null( strstr( run->err, "camera 'cam': its field of view is taken as 60 degrees across" ) );
-    assert_non_null( strstr( run->err, "its z points up: unless that is given already, convert it with z up" ) );
+    {
+        AUTO_SCENE upright = convert_load( "f.glb" ); // its z is up
+        convert_assert_point( &upright.bounds_min.x, 1, 3, -3 );
+        convert_assert_point( &upright.bounds_max.x, 2, 3, -2 );
+        convert_assert_point( &upright.punctuals->direction.x, 0, 0, 1 );
+    }
+    cli_expect( cli_run( "$R convert f.fbx z.glb --quiet --up z" ), 0, NULL );
+    AUTO_SCENE turned = convert_load( "z.glb" );
+    convert_assert_point( &turned.bounds_min.x, 1, 3, -3 );
+    cli_expect( cli_run( "$R convert f.fbx f.glb --quiet --overwrite --up y" ), 0, NULL );
     AUTO_SCENE scene = convert_load( "f.glb" );
     convert_assert_point( &scene.bounds_min.x, 1, 2, 3 ); // metres
     convert_assert_point( &scene.bounds_max.x, 2, 3, 3 );

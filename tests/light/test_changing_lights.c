@@ -451,7 +451,7 @@ static RfVec3 sample_light( const RfLights* lights, const RfScene* scene, uint32
     }
     if ( rf_has_sky( lights ) && k == rf_sky_number( lights ) )
     {
-        RfSkySample s = rf_sample_sky_direction_at( &lights->sky, n, bits, u );
+        RfSkySample s = sample_sky_direction_at( &lights->sky, n, bits, u );
         return s.pdf_solid_angle > 0.0f
                    ? rf_scale( rf_sky_radiance( &lights->sky, s.wi ), rf_maxf( rf_dot( n, s.wi ), 0.0f ) / s.pdf_solid_angle )
                    : rf_vec3( 0, 0, 0 );

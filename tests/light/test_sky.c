@@ -3,6 +3,7 @@
 #include "light/sky.h"
 #include "support/render_support.h"
 #include "support/scene_builder.h"
+#include "support/select_light.h"
 #include "support/statistics.h"
 #include "support/test.h"
 
@@ -222,7 +223,7 @@ static void check_samples( const RfSky* sky, RfVec3 n, double irradiance )
     {
         uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
         float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
-        RfSkySample s = rf_sample_sky_direction_at( sky, n, pick, place );
+        RfSkySample s = sample_sky_direction_at( sky, n, pick, place );
         assert_true( fabsf( rf_length( s.wi ) - 1.0f ) < 1e-5f && s.pdf_solid_angle > 0.0f );
         off += !( fabsf( rf_sky_pdf_solid_angle_at( sky, n, s.wi ) / s.pdf_solid_angle - 1.0f ) < 1e-4f );
         double value =
@@ -317,7 +318,7 @@ TEST( test_cells_of_many_pixels )
         {
             uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
             float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
-            RfSkySample s = rf_sample_sky_direction_at( &sky, n, pick, place );
+            RfSkySample s = sample_sky_direction_at( &sky, n, pick, place );
             off += !( fabsf( rf_sky_pdf_solid_angle_at( &sky, n, s.wi ) / s.pdf_solid_angle - 1.0f ) < 1e-4f );
         }
         assert_true( off < 40 );
@@ -339,7 +340,7 @@ TEST( test_no_sample_below_the_horizon )
         {
             uint32_t pick[2] = { bits( i, 4 ), bits( i, 5 ) };
             float place[2] = { uniform( i, 6 ), uniform( i, 7 ) };
-            below += rf_dot( normal_of( k ), rf_sample_sky_direction_at( &sky, normal_of( k ), pick, place ).wi ) <= 0.0f;
+            below += rf_dot( normal_of( k ), sample_sky_direction_at( &sky, normal_of( k ), pick, place ).wi ) <= 0.0f;
         }
         if ( below > ( k < 3 ? 200 : 2200 ) )
             fail_msg( "normal %d: %d of 10000 samples below the horizon", k, below );

@@ -285,7 +285,7 @@ static RfVec3 sample_other_light( const RfTracer* tracer, const ReferenceSetting
                              word( key, ( dimension + 2 ) | RF_DIMENSION_TWIN ) };
         uint32_t within = lights->sky.environment->map != NULL ? RF_DIMENSION_WITHIN : 0;
         float place[2] = { number( key, ( dimension + 1 ) | within ), number( key, ( dimension + 2 ) | within ) };
-        RfSkySample sky = rf_sample_sky_direction_at( &lights->sky, x->n, bits, place );
+        RfSkySample sky = sample_sky_direction_at( &lights->sky, x->n, bits, place );
         *wi = sky.wi;
         *pdf = sky.pdf_solid_angle * pick.probability;
         radiance = rf_sky_radiance( &lights->sky, sky.wi );
