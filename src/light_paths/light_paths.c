@@ -252,7 +252,6 @@ RfLightPaths* rf_place_light_paths( const RfEstimatorGroup* group, RfLayout* lay
     RF_PLACE( layout, paths->triangle, surfaces );
     RF_PLACE( layout, paths->cumulative, surfaces );
     RF_PLACE( layout, paths->pdf_area, surfaces );
-    RF_PLACE( layout, paths->connected, group->traits.materials + 1 );
     RF_PLACE( layout, paths->light, lights );
     RF_PLACE( layout, paths->light_cumulative, lights );
     RF_PLACE( layout, paths->path, n );
@@ -305,34 +304,17 @@ static void list_surfaces( const RfTracer* tracer, bool plates, RfLightPaths* pa
     }
 }
 
-static bool is_connected( const RfTracer* tracer, const RfLightPaths* paths, uint32_t light )
-{
-    const RfLights* lights = rf_tracer_lights( tracer );
-    const RfScene* scene = rf_tracer_scene( tracer );
-    switch ( rf_light_kind( lights, light ) )
-    {
-        case RF_LIGHT_TRIANGLE: return paths->connected[rf_material_of( scene, lights->light[light].triangle )];
-        case RF_LIGHT_POINT:
-        case RF_LIGHT_SPOT:
-        case RF_LIGHT_DIRECTIONAL:
-        case RF_LIGHT_PLANE: return true;
-        case RF_LIGHT_SKY: return paths->connected[scene->material_count];
-    }
-    return true;
-}
-
 static void list_emitters( const RfEstimatorGroup* group, RfLightPaths* paths )
 {
     const RfLights* lights = rf_tracer_lights( group->tracer );
-    const RfScene* scene = rf_tracer_scene( group->tracer );
-    rf_divide_emitters( scene, paths->connected );
-    for ( uint32_t m = 0; m <= scene->material_count && group->settings->light_paths == RF_LIGHT_PATHS_ON; ++m )
-        paths->connected[m] = group->traits.chain_triangles > 0; // plates serve punctual lights alone
+    paths->emission = group->traits.chain_triangles > 0;
     double sum = 0.0;
     uint32_t count = 0;
     for ( uint32_t i = 0; i < lights->count; ++i )
     {
-        if ( !is_connected( group->tracer, paths, i ) || !( lights->power_fraction[i] > 0.0f ) )
+        RfLightKind kind = rf_light_kind( lights, i );
+        bool punctual = kind != RF_LIGHT_TRIANGLE && kind != RF_LIGHT_SKY;
+        if ( !( paths->emission || punctual ) || !( lights->power_fraction[i] > 0.0f ) )
             continue;
         sum += (double)lights->power_fraction[i];
         paths->light[count] = i;

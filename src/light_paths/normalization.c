@@ -290,7 +290,7 @@ RfLightPathConnector rf_make_connector( const RfLightPaths* paths, RfKernelNorma
     return ( RfLightPathConnector ){
         .connector = { .sample = sample,
                        .vpl_connections = paths->vpl_connections,
-                       .connected = paths->connected,
+                       .emission = paths->emission,
                        .trails = lanes->trail,
                        .weigh_chance = row->weigh_chance },
         .path = path,

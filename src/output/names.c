@@ -15,7 +15,6 @@ const char* const rf_normalize_words[] = {
     [RF_NORMALIZE_CROSSFIT] = "crossfit", [RF_NORMALIZE_RATIO] = "ratio", [RF_NORMALIZE_NONE] = "none", NULL
 };
 const char* const rf_light_paths_words[] = {
-    [RF_LIGHT_PATHS_AUTO] = "auto",
     [RF_LIGHT_PATHS_ON] = "on",
     [RF_LIGHT_PATHS_OFF] = "off",
     NULL,

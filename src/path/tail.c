@@ -227,7 +227,7 @@ static void share_emission( const RfPathSettings* settings, const RfLaneScratch*
     const RfConnector* connector = settings->connector;
     RfTrail* trail = connector->trails + v->slot[i];
     int r = v->ray[i];
-    if ( length > 0 && connector->connected[v->material[i]] && v->light_pdf_solid_angle[i] > 0.0f )
+    if ( length > 0 && connector->emission && v->light_pdf_solid_angle[i] > 0.0f )
     {
         RfVec3 p = RF_GET3( v->p, i );
         float weight = connector->weigh_chance( connector, trail, length, hits->triangle[r], p );
@@ -255,8 +255,7 @@ static void leave_to_connections( const RfPathSettings* settings, const RfWavefr
         if ( deltas != RF_NOT_CONNECTED )
             share_emission( settings, &wavefront->scratch, vertices, i, deltas - 1 );
     }
-    bool sky = settings->connector->connected[rf_tracer_scene( settings->tracer )->material_count];
-    for ( int r = 0; r < rays->count && sky; ++r )
+    for ( int r = 0; r < rays->count && settings->connector->emission; ++r )
     {
         uint8_t deltas = wavefront->deltas[rays->slot[r]];
         for ( int c = 0; c < 3 && deltas > 1 && deltas != RF_NOT_CONNECTED && wavefront->scratch.triangle[r] == RF_MISS; ++c )

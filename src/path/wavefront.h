@@ -142,8 +142,8 @@ struct RfConnector
                       int vertex, RfLightLanes* out, float* area );
     // Connections that a vertex finds, on average, to the VPLs of one light path.
     float vpl_connections;
-    const bool* connected; // by material, then the sky: whose emission it finds
-    RfTrail* trails;       // by slot: workspace
+    bool emission;   // of surfaces and the sky is found, not of punctual lights alone
+    RfTrail* trails; // by slot: workspace
     // The weight of a scattered ray that came by `length` vertices of a trail to a point of an emitter: one minus
     // that of connections.
     float ( *weigh_chance )( const RfConnector* connector, const RfTrail* trail, int length, uint32_t triangle, RfVec3 point );

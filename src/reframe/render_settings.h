@@ -75,12 +75,11 @@ const char* rf_adaptive_name( RfAdaptive adaptive );
 // Light paths through mirrors and glass, connected to what the cameras see by manifold walks (src/light_paths/README.md).
 typedef enum RfLightPathsUse
 {
-    RF_LIGHT_PATHS_AUTO, // from emitters that look small in mirrors and glass (src/light/divide.h)
-    RF_LIGHT_PATHS_ON,   // from all emitters
+    RF_LIGHT_PATHS_ON,
     RF_LIGHT_PATHS_OFF,
 } RfLightPathsUse;
 
-// "auto", "on", "off".
+// "on", "off".
 const char* rf_light_paths_name( RfLightPathsUse use );
 
 // How a connection to a light path is divided by the probability of finding it.

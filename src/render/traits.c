@@ -4,6 +4,7 @@
 #include "base/remedy.h"
 #include "film/pixel_filter.h"
 #include "light/changing.h"
+#include "light/small_emitters.h"
 #include "render/estimator.h"
 #include "render/settings.h"
 #include "scene/leave_out.h"
@@ -81,7 +82,7 @@ RfResult rf_check_light_groups( const RfScene* scene, const RfRenderSettings* se
             rf_fail( error, RF_ERROR_USAGE, "the estimator '%s' cannot split light by groups", settings->estimator->name ),
             RF_REMEDY_ESTIMATOR, 0, error );
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
-        return rf_fail( error, RF_ERROR_USAGE, "light paths cannot split light by groups: --light-paths off or auto" );
+        return rf_fail( error, RF_ERROR_USAGE, "light paths cannot split light by groups: --light-paths off" );
     if ( rf_is_left_out( scene, RF_EFFECT_CAUSTICS ) )
         return rf_fail( error, RF_ERROR_USAGE,
                         "caustics cannot be left out of light groups: keep them, or render without light groups" );
@@ -114,21 +115,17 @@ RfSceneTraits rf_scene_traits( const RfScene* scene, const RfEye* eyes, int eye_
     traits.dimmable = traits.moves ? count_dimmable( scene ) : 0;
     traits.lamps_alone = traits.moves ? count_lamps_alone( scene ) : 0;
     traits.light_groups = count_light_groups( scene, settings );
-    traits.materials = scene->material_count;
     traits.most_lights += (uint32_t)scene->punctual_count + 1;
     traits.moving_lights = traits.moves && rf_count_moving_emitters( scene ) > 0;
-    if ( settings->light_paths == RF_LIGHT_PATHS_AUTO && traits.chain_triangles + traits.plate_triangles > 0 && !traits.blended )
-        traits.emitters = rf_divide_emitters( scene, NULL );
     return traits;
 }
 
 bool rf_wants_light_paths( const RfSceneTraits* traits, const RfRenderSettings* settings )
 {
-    return rf_calls_for( settings->light_paths != RF_LIGHT_PATHS_OFF && settings->estimator->prepare != NULL &&
+    return rf_calls_for( settings->light_paths == RF_LIGHT_PATHS_ON && settings->estimator->prepare != NULL &&
                              settings->weights == RF_WEIGHTS_EXACT && traits->chain_triangles + traits->plate_triangles > 0 &&
                              !traits->blended && !( traits->moves && settings->group != 0 ) && traits->blur_steps == 0 &&
-                             !traits->without_caustics && traits->light_groups == 0 &&
-                             ( settings->light_paths == RF_LIGHT_PATHS_ON || traits->emitters.connected > 0 ),
+                             !traits->without_caustics && traits->light_groups == 0,
                          RF_EFFECT_LIGHT_PATHS );
 }
 
@@ -137,7 +134,7 @@ RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* s
     if ( traits->blur_steps > 0 && settings->light_paths == RF_LIGHT_PATHS_ON )
         return rf_fail( error, RF_ERROR_USAGE,
                         "light paths are of one moment, but something moves while the shutter is open: --shutter 0, or "
-                        "--light-paths auto" );
+                        "--light-paths off" );
     if ( !traits->moves || settings->group == 0 )
         return RF_OK;
     if ( settings->weights != RF_WEIGHTS_EXACT )
@@ -145,7 +142,7 @@ RfResult rf_check_moving( const RfSceneTraits* traits, const RfRenderSettings* s
                         "the biased weights cannot tell what moves in a group of frames: exact weights, or a group of 0" );
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
         return rf_fail( error, RF_ERROR_USAGE,
-                        "light paths cannot be shared by frames in which something moves: --group 0, or --light-paths auto" );
+                        "light paths cannot be shared by frames in which something moves: --group 0, or --light-paths off" );
     return RF_OK;
 }
 
@@ -160,7 +157,7 @@ RfResult rf_check_caustics( const RfSceneTraits* traits, const RfRenderSettings*
     if ( settings->weights != RF_WEIGHTS_EXACT )
         return rf_fail( error, RF_ERROR_USAGE, "the biased weights cannot leave caustics out: exact weights" );
     if ( settings->light_paths == RF_LIGHT_PATHS_ON )
-        return rf_fail( error, RF_ERROR_USAGE, "light paths bring caustics, which are left out: --light-paths off or auto" );
+        return rf_fail( error, RF_ERROR_USAGE, "light paths bring caustics, which are left out: --light-paths off" );
     if ( traits->moves && settings->group != 0 )
         return rf_fail( error, RF_ERROR_USAGE,
                         "caustics cannot be left out of groups of frames in which something moves: --group 0, or keep them" );
@@ -209,6 +206,7 @@ typedef struct Source
     const RfRenderSettings* settings;
     RfSceneTraits traits; // that run
     int eye_count;
+    bool explain;   // reasons are shown, and found even where that takes time
     RfEffect* rows; // by id
 } Source;
 
@@ -307,18 +305,16 @@ static void set_light_paths( const Source* from )
 {
     const RfSceneTraits* t = &from->traits;
     const RfRenderSettings* s = from->settings;
-    bool on = rf_wants_light_paths( t, s );
-    if ( s->light_paths == RF_LIGHT_PATHS_OFF && t->emitters.connected > 0 )
+    bool carried = t->chain_triangles + t->plate_triangles > 0 && !t->blended;
+    uint32_t small =
+        s->light_paths == RF_LIGHT_PATHS_OFF && from->explain && carried ? rf_count_small_emitters( from->scene ) : 0;
+    if ( small > 0 )
         set( from, RF_EFFECT_LIGHT_PATHS, false,
-             "not enabled, although mirrors, clear glass or smooth metals carry the light of %u small emitter%s",
-             t->emitters.connected, t->emitters.connected == 1 ? "" : "s" );
+             "not enabled, although mirrors, clear glass or smooth metals carry the light of %u small emitter%s", small,
+             small == 1 ? "" : "s" );
     else if ( s->light_paths == RF_LIGHT_PATHS_OFF )
         set( from, RF_EFFECT_LIGHT_PATHS, false, "off in the settings" );
-    else if ( on && s->light_paths == RF_LIGHT_PATHS_AUTO )
-        set( from, RF_EFFECT_LIGHT_PATHS, true,
-             "%u triangles of mirrors, clear glass or smooth metals; %u of %u emitters are small",
-             t->chain_triangles + t->plate_triangles, t->emitters.connected, t->emitters.all );
-    else if ( on )
+    else if ( rf_wants_light_paths( t, s ) )
         set( from, RF_EFFECT_LIGHT_PATHS, true, "%u triangles of mirrors, clear glass or smooth metals",
              t->chain_triangles + t->plate_triangles );
     else
@@ -331,9 +327,7 @@ static void set_light_paths( const Source* from )
              : s->weights != RF_WEIGHTS_EXACT ? "they need exact weights"
              : t->moves && s->group != 0      ? "where something moves they want groups of one frame"
              : t->blur_steps > 0              ? "something moves while the shutter is open: they are of one moment"
-             : s->estimator->prepare == NULL
-                 ? "the estimator does not support them"
-                 : "mirrors and glass carry the light of large emitters only, which BSDF sampling finds" );
+                                              : "the estimator does not support them" );
 }
 
 static void set_reuse( const Source* from )
@@ -383,14 +377,6 @@ static void set_film( const Source* from )
     set( from, RF_EFFECT_GRADIENTS, gradients, gradients ? "on in the settings" : "off in the settings" );
 }
 
-// To explain: whether light paths would help is found by settings that ask for "auto", even if they are off.
-static RfSceneTraits traits_of( const RfScene* scene, const RfEye* eyes, int eye_count, RfRenderSettings settings, bool explain )
-{
-    if ( explain )
-        settings.light_paths = RF_LIGHT_PATHS_AUTO;
-    return rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count, &settings ) );
-}
-
 // `explain`: the reasons are shown to users, so that they are found even where that takes time.
 static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count, const RfRenderSettings* settings, bool explain,
                          RfEffect effects[RF_MAX_EFFECTS] )
@@ -401,7 +387,8 @@ static int list_effects( const RfScene* scene, const RfEye* eyes, int eye_count,
         effects[of_scene[i].id] = of_scene[i];
     Source from = { .scene = scene,
                     .settings = settings,
-                    .traits = traits_of( scene, eyes, eye_count, *settings, explain ),
+                    .traits = rf_running_traits( scene, rf_scene_traits( scene, eyes, eye_count, settings ) ),
+                    .explain = explain,
                     .eye_count = eye_count,
                     .rows = effects };
     if ( eye_count > 0 )

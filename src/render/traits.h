@@ -2,7 +2,6 @@
 #ifndef REFRAME_RENDER_TRAITS_H
 #define REFRAME_RENDER_TRAITS_H
 
-#include "light/divide.h"
 #include "reframe/render.h"
 
 // The flags of a scene's traits, each with the effect of which it is the reason: X( flag, EFFECT ).
@@ -35,10 +34,8 @@ typedef struct RfSceneTraits
     bool without_caustics;    // they are left out of a scene that has surfaces to throw them
     uint32_t chain_triangles; // that light paths can follow (rf_is_chain_surface)
     uint32_t plate_triangles; // that those of lamps without size can (rf_is_plate); 0 where there are no such lamps
-    uint32_t materials;
-    uint32_t most_lights; // triangles that emit, punctual lights, the sky
-    bool moving_lights;   // some triangles that emit move
-    RfDivision emitters;  // by light/divide.h
+    uint32_t most_lights;     // triangles that emit, punctual lights, the sky
+    bool moving_lights;       // some triangles that emit move
 } RfSceneTraits;
 
 // Whether batches have points of the lens and moments of the shutter.

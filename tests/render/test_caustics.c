@@ -97,7 +97,7 @@ TEST( test_refusals )
     settings = settings_of( 1, 3 );
     settings.light_paths = RF_LIGHT_PATHS_ON;
     expect_refused( &stage, &settings, "light paths bring caustics" );
-    settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
     expect_refused( &stage, &settings, NULL );
     settings.weights = RF_WEIGHTS_EQ15;
     expect_refused( &stage, &settings, "exact weights" );

@@ -101,7 +101,7 @@ TEST( test_refusals )
     {
         RfRenderSettings settings = reuse_mode( 0 );
         settings.light_groups = "all";
-        settings.light_paths = k == 0 ? RF_LIGHT_PATHS_ON : k == 4 ? RF_LIGHT_PATHS_AUTO : RF_LIGHT_PATHS_OFF;
+        settings.light_paths = k == 0 ? RF_LIGHT_PATHS_ON : RF_LIGHT_PATHS_OFF;
         settings.weights = k == 1 ? RF_WEIGHTS_EQ15 : RF_WEIGHTS_EXACT;
         settings.estimator = k == 2 ? rf_find_estimator( "gradient" ) : settings.estimator;
         stage.scene.effects_left_out = k == 3 ? RF_EFFECT_BIT( RF_EFFECT_CAUSTICS ) : 0;

@@ -283,7 +283,7 @@ TEST( test_light_paths_by_a_mirror_that_grows )
     open_eye( s.eyes, 0.2, 2 );
     expect_refused( &s, &settings, "light paths are of one moment" );
     s.eyes->blur_steps = RF_MAX_BLUR_STEPS + 1;
-    settings.light_paths = RF_LIGHT_PATHS_AUTO;
+    settings.light_paths = RF_LIGHT_PATHS_OFF;
     expect_refused( &s, &settings, "" );
 }
 

@@ -121,7 +121,6 @@ void draw_light_path_set( const RfScene* scene, int width, int height, LightPath
     };
     for ( uint32_t i = 0; i < scene->triangles.count; ++i )
         set->group.traits.chain_triangles += rf_is_chain_surface( scene->materials + scene->triangles.material[i] );
-    set->group.traits.materials = scene->material_count;
     set->group.traits.most_lights = scene->triangles.count + 1;
     set->path = ( RfPathSettings ){ .tracer = set->tracer, .max_depth = 12, .light_samples = 1 };
     RfLayout layout = { 0 };

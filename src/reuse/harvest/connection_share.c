@@ -13,7 +13,6 @@
 #define LEAST_NEEDED 4  // the same, at least, for lights that need light paths
 #define LEAST_REST 0.25 // part of the error, at least, that is assumed to be of other light
 #define LEAST_MEAN 0.1  // floor for the square of a batch's mean, in parts of that of all
-#define GAIN 0.7        // connections must lower error times cost to this, or there are none
 // costs, in rays that are traced in packets
 #define LINK_RAY 5.0
 #define SEARCH 3.5           // for light paths around a vertex
@@ -157,8 +156,8 @@ static double find_errors( const RfPilot* pilot, int count, double* moment )
     return all;
 }
 
-// The first of rf_connection_shares that may be chosen: none, unless connections are asked for. Light that nothing
-// else finds needs more, or it shows as fireflies.
+// The first of rf_connection_shares that may be chosen. Light that nothing else finds needs more than the least, or it shows as
+// fireflies.
 static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths )
 {
     for ( uint32_t i = 0; i < paths->light_count; ++i )
@@ -166,7 +165,7 @@ static int least_share( const RfEstimatorGroup* group, const RfLightPaths* paths
         if ( rf_needs_light_paths( rf_light_kind( rf_tracer_lights( group->tracer ), paths->light[i] ) ) )
             return LEAST_NEEDED;
     }
-    return group->settings->light_paths == RF_LIGHT_PATHS_ON ? 1 : 0;
+    return 1;
 }
 
 // In rays, for the batches that were traced ahead.
@@ -176,15 +175,15 @@ typedef struct Costs
     double rest;              // other light
 } Costs;
 
-// The share with the least error times cost, provided that connections gain enough.
+// The share with the least error times cost.
 static float best_share( const double* moment, double error, const Costs* costs, int first )
 {
     double rest = fmax( error - moment[AT_AHEAD], LEAST_REST * error ), least = INFINITY;
     int best = first;
     for ( int k = first; k < RF_CONNECTION_SHARES; ++k )
     {
-        double cost = costs->rest + ( k > 0 ? costs->search + (double)rf_connection_shares[k] * costs->per_share : 0.0 );
-        double product = ( rest + moment[k] ) * cost / ( k > 0 ? GAIN : 1.0 );
+        double cost = costs->rest + costs->search + (double)rf_connection_shares[k] * costs->per_share;
+        double product = ( rest + moment[k] ) * cost;
         if ( !( product < least ) )
             continue;
         least = product;

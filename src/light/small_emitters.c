@@ -1,5 +1,5 @@
 // Estimates the solid angles of emitters' images in mirrors and glass, at points of a sequence of low discrepancy.
-#include "light/divide.h"
+#include "light/small_emitters.h"
 
 #include "light/changing.h"
 #include "scene/placement.h"
@@ -7,7 +7,7 @@
 #define POINTS 64     // of mirrors and glass
 #define FEW_POINTS 16 // of an emitter
 #define MOST_TRIANGLES 2048
-#define MOST_DIVIDED 64 // materials that emit; any further ones are connected
+#define MOST_EMITTERS 64 // materials that emit; further ones are not looked at
 #define PI 3.14159265358979324
 
 typedef struct Point
@@ -137,13 +137,11 @@ static double mean_image( const Points* emitter, bool two_sided, const Points* c
 }
 
 // The solid angle that a material's emission covers in mirrors and glass, as seen from what these light, sr: an estimate that
-// takes them for flat and knows no shadows. 0: it does not shine on them. Negative: the material has no triangles.
+// takes them for flat and knows no shadows. 0: it does not shine on them, or has no triangles.
 static double image_of( const RfScene* scene, uint32_t material, const Points* chain, const Points* receivers )
 {
     Points emitter;
     spread_points( scene, ( Kind ){ .of_material = true, .material = material }, FEW_POINTS, &emitter );
-    if ( emitter.count == 0 )
-        return -1.0;
     return mean_image( &emitter, scene->materials[material].double_sided, chain, receivers );
 }
 
@@ -169,29 +167,20 @@ static double sky_solid_angle( const RfEnvironment* e )
     return squares > 0.0 ? sum * sum / squares : 0.0;
 }
 
-RfDivision rf_divide_emitters( const RfScene* scene, bool* connected )
+uint32_t rf_count_small_emitters( const RfScene* scene )
 {
     Points chain, receivers;
     spread_points( scene, ( Kind ){ .chain = true }, POINTS, &chain );
     spread_points( scene, ( Kind ){ .chain = false }, POINTS, &receivers );
-    RfDivision division = { (uint32_t)scene->punctual_count, (uint32_t)scene->punctual_count };
-    uint32_t divided = 0;
-    for ( uint32_t m = 0; m < scene->material_count; ++m )
+    uint32_t count = (uint32_t)scene->punctual_count, looked_at = 0;
+    for ( uint32_t m = 0; m < scene->material_count && looked_at < MOST_EMITTERS; ++m )
     {
-        bool emits = rf_max_component( scene->materials[m].emission ) > 0.0f, many = emits && divided++ >= MOST_DIVIDED;
-        double image = emits && !many ? image_of( scene, m, &chain, &receivers ) : 0.0;
-        bool small = many || ( image > 0.0 && image <= RF_LARGE_EMITTER );
-        emits = emits && image >= 0.0;
-        division.all += emits;
-        division.connected += small;
-        if ( connected != NULL )
-            connected[m] = small;
+        if ( !( rf_max_component( scene->materials[m].emission ) > 0.0f ) )
+            continue;
+        double image = image_of( scene, m, &chain, &receivers );
+        count += image > 0.0 && image <= RF_LARGE_EMITTER;
+        ++looked_at;
     }
     double sky = sky_solid_angle( &scene->environment );
-    bool small = sky > 0.0 && sky <= RF_LARGE_EMITTER;
-    division.all += sky > 0.0;
-    division.connected += small;
-    if ( connected != NULL )
-        connected[scene->material_count] = small;
-    return division;
+    return count + ( sky > 0.0 && sky <= RF_LARGE_EMITTER );
 }
