@@ -375,11 +375,9 @@ static const RfOption s_options[] = {
     RF_CLAMP_OPTION( render_parse.options,
                      "against white specks: limit the luminance that one indirect path brings, and report the light removed; "
                      "auto: the limit of least error, which grows with the samples" ),
-    RF_CHOICE_OPTION(
-        "light-paths", RF_ENUM( &render_parse.options.settings.light_paths ), rf_light_paths_words,
-        "trace paths from the lights, for caustics and lamps behind glass; auto (experimental): from small lights, where "
-        "it seems to pay off",
-        .in_file = true, .heading = RF_HEADING_QUALITY ),
+    RF_CHOICE_OPTION( "light-paths", RF_ENUM( &render_parse.options.settings.light_paths ), rf_light_paths_words,
+                      "trace paths from the lights, for caustics and lamps behind glass", .in_file = true,
+                      .heading = RF_HEADING_QUALITY ),
     RF_FILTER_OPTIONS( render_parse.options ),
     RF_PATH_TRACING_OPTIONS( render_parse.options ),
     RF_SEED_OPTION( render_parse.options ),
