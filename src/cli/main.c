@@ -93,19 +93,86 @@ static int run_help( int argc, char** argv )
     return argc < 2 || argv[1][0] == '-' ? print_usage() : run_command( 2, arguments );
 }
 
-// Compiled for AVX2, it would die of an illegal instruction on other processors.
+// The instruction sets that this program, or one beside it, may be compiled for: levels of the x86-64 ABI supplement. 0: another
+// machine, whose compiler knows what it has.
+#if !defined( __x86_64__ )
+#define LEVEL 0
+#elif defined( __AVX512F__ ) && defined( __AVX512VL__ )
+#define LEVEL 4
+#elif defined( __AVX2__ )
+#define LEVEL 3
+#elif defined( __SSE4_2__ )
+#define LEVEL 2
+#else
+#define LEVEL 1
+#endif
+#define MOST_LEVEL 4
+static const char* const s_levels[] = { "native", "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4" };
+
+// That of this machine.
+static int find_level( void )
+{
+#if defined( __x86_64__ ) && defined( __GNUC__ )
+    __builtin_cpu_init();
+    if ( !__builtin_cpu_supports( "sse4.2" ) || !__builtin_cpu_supports( "popcnt" ) )
+        return 1;
+    if ( !__builtin_cpu_supports( "avx2" ) || !__builtin_cpu_supports( "fma" ) || !__builtin_cpu_supports( "bmi2" ) )
+        return 2;
+    bool wide = __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512bw" ) &&
+                __builtin_cpu_supports( "avx512cd" ) && __builtin_cpu_supports( "avx512dq" ) &&
+                __builtin_cpu_supports( "avx512vl" );
+    return wide ? 4 : 3;
+#else
+    return LEVEL;
+#endif
+}
+
+// Compiled for more than the processor has, it would die of an illegal instruction.
 static bool check_cpu( void )
 {
-#if defined( __AVX2__ ) && defined( __GNUC__ )
-    __builtin_cpu_init();
-    if ( !__builtin_cpu_supports( "avx2" ) || !__builtin_cpu_supports( "fma" ) || !__builtin_cpu_supports( "bmi2" ) )
+    if ( find_level() >= LEVEL )
+        return true;
+    fprintf( stderr, "reframe: built for processors with %s, this one has %s: build with cmake -DREFRAME_MARCH=%s\n",
+             s_levels[LEVEL], s_levels[find_level()], s_levels[find_level()] );
+    return false;
+}
+
+// Starts the program that is compiled for what the processor has, where it lies beside this one (scripts/make-package), or for what
+// REFRAME_KERNEL says: pictures of one kernel are the same bits on all machines. Returns where this is the one; false: that
+// cannot be had.
+static bool start_kernel( char** argv )
+{
+    const char* asked = getenv( "REFRAME_KERNEL" );
+    int has = find_level(), most = has, least = LEVEL;
+    for ( int level = 0; asked != NULL && asked[0] != 0; ++level )
     {
-        fprintf( stderr, "reframe: built for processors with AVX2, FMA and BMI2 (x86-64-v3), this one has not all of "
-                         "them: build with cmake -DREFRAME_MARCH=\n" );
-        return false;
+        if ( level > MOST_LEVEL || strcmp( asked, s_levels[level] ) == 0 )
+        {
+            most = least = level;
+            break;
+        }
     }
-#endif
-    return true;
+    char program[PATH_MAX];
+    ssize_t length = readlink( "/proc/self/exe", program, sizeof program - 64 );
+    while ( length > 0 && program[length - 1] != '/' )
+        --length;
+    for ( int level = most; length > 0 && level > LEVEL && level <= has; --level )
+    {
+        if ( level < least )
+            break;
+        snprintf( program + length, 64, "../libexec/reframe/reframe-%s", s_levels[level] );
+        execv( program, argv ); // returns where there is none
+    }
+    if ( LEVEL >= least && LEVEL <= most )
+        return true;
+    if ( most > MOST_LEVEL )
+        fprintf( stderr, "reframe: REFRAME_KERNEL: '%s': no kernel, expected x86-64-v2, x86-64-v3 or x86-64-v4\n", asked );
+    else if ( most > has )
+        fprintf( stderr, "reframe: REFRAME_KERNEL: this processor lacks %s: it has %s\n", asked, s_levels[has] );
+    else
+        fprintf( stderr, "reframe: REFRAME_KERNEL: %s: is not installed here: leave it out, or take %s\n", asked,
+                 s_levels[LEVEL] );
+    return false;
 }
 
 // Threads that wait do so asleep, unless the user has chosen otherwise. By default libgomp's spin, which on a machine with other
@@ -129,7 +196,7 @@ static void wait_asleep( char** argv )
 
 int main( int argc, char** argv )
 {
-    if ( !check_cpu() )
+    if ( !check_cpu() || !start_kernel( argv ) )
         return 1;
     rf_set_float_mode();
     rf_catch_terminate();
@@ -150,7 +217,8 @@ int main( int argc, char** argv )
     if ( strcmp( argv[1], "--version" ) == 0 )
     {
         const char* with = rf_built_with();
-        printf( "reframe %s (pictures %d%s%s)\n", rf_version(), rf_pictures(), with[0] != 0 ? ", with " : "", with );
+        printf( "reframe %s (pictures %d, %s%s%s)\n", rf_version(), rf_pictures(), s_levels[LEVEL], with[0] != 0 ? ", with " : "",
+                with );
         return finish_output();
     }
     if ( strcmp( argv[1], "help" ) == 0 )

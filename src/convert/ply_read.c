@@ -1,9 +1,10 @@
-// Builds a mesh from PLY: polygons are triangulated by ear clipping, strips are unrolled.
+// Builds a mesh from PLY: polygons are triangulated (convert/polygon.h), strips are unrolled.
 #include "base/try.h"
 #include "convert/model.h"
 
 #include "base/file.h"
 #include "convert/ply_file.h"
+#include "convert/polygon.h"
 #include "image/decode.h"
 #include "scene/scene.h"
 
@@ -20,7 +21,7 @@ typedef struct RfPlyReader
     size_t triangle_room;
     uint32_t *corners, *cut; // the current polygon and its triangles
     uint32_t corner_room;
-    uint64_t cut_steps;        // left, see cut_polygon
+    RfCutter cutter;
     uint64_t dropped, crossed; // faces and strips of fewer than three corners; self-intersecting faces
     uint64_t clamped;          // colours outside [0, 1]
 } RfPlyReader;
@@ -29,15 +30,6 @@ static inline RfResult rf_ply_no_memory( const RfPlyReader* r )
 {
     return rf_fail( r->file.error, RF_ERROR_MEMORY, "%s: out of memory reading it", r->file.path );
 }
-
-typedef enum RfCut
-{
-    RF_CUT_WHOLE,
-    RF_CUT_CROSSED, // self-intersecting, no ear left: the rest became a fan
-    RF_CUT_GIVEN_UP // ran out of steps
-} RfCut;
-
-static RfCut cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps );
 
 // Vertices of PLY: positions, normals, texture coordinates, colours.
 
@@ -191,140 +183,10 @@ static void finish_vertices( RfPlyReader* r )
                  (unsigned long long)r->crossed );
 }
 
-// Triangulates polygons in space.
-
-// Projection along the axis in which the mean normal is longest, onto two coordinates; `sign`
-// makes counter-clockwise positive.
-typedef struct Plane
-{
-    const float* positions;
-    int u, v;
-    double sign;
-} Plane;
-
-// Newell's method: the normal's components are twice the projected areas.
-static Plane find_plane( const float* positions, const uint32_t* corners, uint32_t count )
-{
-    double n[3] = { 0 };
-    for ( uint32_t i = 0; i < count; ++i )
-    {
-        const float* a = positions + 3 * (size_t)corners[i];
-        const float* b = positions + 3 * (size_t)corners[( i + 1 ) % count];
-        for ( int k = 0; k < 3; ++k )
-        {
-            int u = ( k + 1 ) % 3, v = ( k + 2 ) % 3;
-            n[k] += (double)a[u] * (double)b[v] - (double)a[v] * (double)b[u];
-        }
-    }
-    int axis = fabs( n[0] ) > fabs( n[1] ) ? 0 : 1;
-    axis = fabs( n[2] ) > fabs( n[axis] ) ? 2 : axis;
-    return ( Plane ){ positions, ( axis + 1 ) % 3, ( axis + 2 ) % 3, n[axis] < 0.0 ? -1.0 : 1.0 };
-}
-
-// Twice the signed area of a triangle; negative if it has the opposite winding.
-static double area( const Plane* plane, uint32_t a, uint32_t b, uint32_t c )
-{
-    const float *p = plane->positions + 3 * (size_t)a, *q = plane->positions + 3 * (size_t)b,
-                *r = plane->positions + 3 * (size_t)c;
-    double x1 = (double)q[plane->u] - (double)p[plane->u], y1 = (double)q[plane->v] - (double)p[plane->v];
-    double x2 = (double)r[plane->u] - (double)p[plane->u], y2 = (double)r[plane->v] - (double)p[plane->v];
-    return plane->sign * ( x1 * y2 - x2 * y1 );
-}
-
-static bool is_convex( const Plane* plane, const uint32_t* corners, uint32_t count )
-{
-    for ( uint32_t i = 0; i < count; ++i )
-    {
-        if ( area( plane, corners[i], corners[( i + 1 ) % count], corners[( i + 2 ) % count] ) < 0.0 )
-            return false;
-    }
-    return true;
-}
-
-// True if corner i is convex and no other corner is inside its triangle.
-static bool is_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint32_t i )
-{
-    uint32_t a = corners[( i + count - 1 ) % count], b = corners[i], c = corners[( i + 1 ) % count];
-    if ( area( plane, a, b, c ) <= 0.0 )
-        return false;
-    for ( uint32_t k = 0; k < count; ++k )
-    {
-        uint32_t p = corners[k];
-        if ( p == a || p == b || p == c )
-            continue;
-        if ( area( plane, a, b, p ) >= 0.0 && area( plane, b, c, p ) >= 0.0 && area( plane, c, a, p ) >= 0.0 )
-            return false;
-    }
-    return true;
-}
-
-static uint32_t* put_triangle( uint32_t* triangles, uint32_t a, uint32_t b, uint32_t c )
-{
-    triangles[0] = a;
-    triangles[1] = b;
-    triangles[2] = c;
-    return triangles + 3;
-}
-
-static void fan( const uint32_t* corners, uint32_t count, uint32_t* triangles )
-{
-    for ( uint32_t i = 1; i + 1 < count; ++i )
-        triangles = put_triangle( triangles, corners[0], corners[i], corners[i + 1] );
-}
-
-// Finds the first ear; returns `count` if there is none or the steps ran out.
-static uint32_t find_ear( const Plane* plane, const uint32_t* corners, uint32_t count, uint64_t* steps )
-{
-    for ( uint32_t i = 0; i < count; ++i )
-    {
-        if ( *steps < count )
-        {
-            *steps = 0;
-            return count;
-        }
-        *steps -= count;
-        if ( is_ear( plane, corners, count, i ) )
-            return i;
-    }
-    return count;
-}
-
-// Triangulates a polygon of `count` ≥ 3 corners (indices into positions, 3 floats
-// each) into count − 2 triangles of the same winding: as a fan if it is convex, else by
-// ear clipping in the plane of its mean normal. Overwrites `corners`. Ear clipping takes
-// up to count³ steps, which are subtracted from `*steps`; when these run out the
-// triangles are invalid.
-static RfCut cut_polygon( const float* positions, uint32_t* corners, uint32_t count, uint32_t* triangles, uint64_t* steps )
-{
-    Plane plane = find_plane( positions, corners, count );
-    if ( count == 3 || is_convex( &plane, corners, count ) )
-    {
-        fan( corners, count, triangles );
-        return RF_CUT_WHOLE;
-    }
-    while ( count > 3 )
-    {
-        uint32_t i = find_ear( &plane, corners, count, steps );
-        if ( i == count && *steps == 0 )
-            return RF_CUT_GIVEN_UP;
-        if ( i == count )
-        {
-            fan( corners, count, triangles );
-            return RF_CUT_CROSSED;
-        }
-        triangles = put_triangle( triangles, corners[( i + count - 1 ) % count], corners[i], corners[( i + 1 ) % count] );
-        for ( --count; i < count; ++i )
-            corners[i] = corners[i + 1];
-    }
-    put_triangle( triangles, corners[0], corners[1], corners[2] );
-    return RF_CUT_WHOLE;
-}
-
 // Triangulates the faces and strips of PLY.
 
 #define MAX_TRIANGLES ( 1u << 28 )
 #define MAX_CORNERS 65536 // per polygon
-#define CUT_STEPS_PER_CORNER 64
 
 static bool reserve_corners( RfPlyReader* r, uint32_t count )
 {
@@ -383,8 +245,9 @@ static RfResult read_polygon( RfPlyReader* r, const RfPlyProperty* property, uin
         r->dropped += 1;
         return RF_OK;
     }
-    r->cut_steps += (uint64_t)count * CUT_STEPS_PER_CORNER;
-    RfCut cut = cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cut_steps );
+    RfCut cut = rf_cut_polygon( r->mesh->positions, r->corners, count, r->cut, &r->cutter );
+    if ( cut == RF_CUT_NO_MEMORY )
+        return rf_ply_no_memory( r );
     if ( cut == RF_CUT_GIVEN_UP )
         return rf_fail( r->file.error, RF_ERROR_UNSUPPORTED,
                         "%s: face %llu of %u corners takes too long to triangulate: triangulate it first", r->file.path,
@@ -477,10 +340,6 @@ static RfResult ply_read_strips( RfPlyReader* r, const RfPlyElement* element )
 
 #define MAX_FILE_BYTES ( (uint64_t)64 << 30 )
 
-// Steps for triangulating polygons: enough for about a second per file. Every corner read adds
-// more, so that no number of ordinary faces exhausts them.
-#define CUT_STEPS ( (uint64_t)1 << 28 )
-
 static RfResult read_elements( RfPlyReader* r )
 {
     RF_TRY( rf_ply_read_header( &r->file ) );
@@ -534,7 +393,7 @@ RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* err
     }
     r->file = ( RfPlyFile ){ .path = path, .error = error };
     r->log = log;
-    r->cut_steps = CUT_STEPS;
+    r->cutter.steps = RF_CUT_STEPS;
     r->mesh = model->meshes;
     RfResult result = rf_read_file( path, MAX_FILE_BYTES, &bytes, &r->file.size, error );
     r->file.bytes = bytes;
@@ -545,6 +404,7 @@ RfResult rf_read_ply( const char* path, RfModel* model, RfLog* log, RfError* err
     free( bytes );
     free( r->corners );
     free( r->cut );
+    rf_free_cutter( &r->cutter );
     free( r );
     if ( result != RF_OK )
         rf_destroy_model( model );

@@ -141,12 +141,15 @@ static RfResult import_by_assimp( const char* path, bool accepts_losses, bool up
                                   RfError* error )
 {
     RfSource source;
-    RfImport import = {
-        .source = &source, .model = model, .log = log, .accepts_losses = accepts_losses, .up_of_file = up_of_file
-    };
+    RfImport import = { .source = &source,
+                        .model = model,
+                        .log = log,
+                        .accepts_losses = accepts_losses,
+                        .up_of_file = up_of_file,
+                        .cutter = { .steps = RF_CUT_STEPS } };
     RfResult result = rf_open_source( path, &source, log, error );
     // points and lines stay in their meshes and are counted there; equal vertices become one later, all that they have compared
-    import.scene = result == RF_OK ? rf_read_source( &source, aiProcess_Triangulate ) : NULL;
+    import.scene = result == RF_OK ? rf_read_source( &source, 0 ) : NULL;
     if ( result == RF_OK && import.scene == NULL )
         result = fail_import( aiGetErrorString(), error );
     else if ( result == RF_OK && import.scene->mRootNode == NULL )
@@ -163,6 +166,7 @@ static RfResult import_by_assimp( const char* path, bool accepts_losses, bool up
     free( import.origins );
     free( import.posed );
     free( import.image_names );
+    rf_free_cutter( &import.cutter );
     rf_close_source( &source );
     if ( import.scene != NULL )
         aiReleaseImport( import.scene );

@@ -5,6 +5,7 @@
 #define REFRAME_IMPORT_ASSIMP_IMPORT_H
 
 #include "convert/model.h"
+#include "convert/polygon.h"
 
 #include <assimp/scene.h>
 
@@ -25,6 +26,7 @@ typedef enum RfFactKind
     RF_FACT_KEY,    // of an animation of a Collada weight: seconds, weight
     RF_FACT_BIND,   // of an FBX mesh and a bone: the inverse bind matrix, column-major
     RF_FACT_JOINT,  // a node that is one
+    RF_FACT_HIDDEN, // a node that is, with those below it
     RF_FACT_FAR,    // of a mesh far from its origin: what is taken off; of FBX its corners without it, floats in `text`
     RF_FACT_NAME,   // `text` is what this name was in the file
     RF_FACT_MAP,    // of a material: scale, offset, whether it is clamped; slot: 0 base colour, 1 normal, 2 emission
@@ -85,9 +87,12 @@ typedef struct RfImport
     double ( *origins )[3];      // per model mesh: what was taken off its positions, metres
     char ( *image_names )[1024]; // of the images read so far, as in the file
     int image_room;
-    bool up_of_file;     // FBX: its axes are turned to y up, as it says
-    bool accepts_losses; // of images; else import_by_assimp fails with all of them
-    char lost[880];      // those that cannot be read, and why; as many as fit
+    RfCutter cutter;
+    int hidden;              // nodes with meshes that are
+    const char* hidden_name; // of one of them
+    bool up_of_file;         // FBX: its axes are turned to y up, as it says
+    bool accepts_losses;     // of images; else import_by_assimp fails with all of them
+    char lost[880];          // those that cannot be read, and why; as many as fit
     RfPosed* posed;
     int posed_count;
 } RfImport;

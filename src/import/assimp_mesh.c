@@ -85,7 +85,7 @@ static uint32_t count_triangles( const struct aiMesh* from )
 {
     uint32_t count = 0;
     for ( uint32_t i = 0; from->mVertices != NULL && i < from->mNumFaces; ++i )
-        count += from->mFaces[i].mNumIndices == 3;
+        count += from->mFaces[i].mNumIndices >= 3 ? from->mFaces[i].mNumIndices - 2 : 0;
     return count;
 }
 
@@ -128,14 +128,40 @@ static void take_far( RfImport* import, const struct aiMesh* from, RfModelMesh* 
         mesh->positions[i] = (float)( import->source->unit * (double)( (const float*)found->text )[i] );
 }
 
-static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh* mesh )
+// Triangulates the faces. assimp would leave parts of concave ones out.
+static RfResult take_faces( RfImport* import, const struct aiMesh* from, RfModelMesh* mesh, RfError* error )
+{
+    int crossed = 0;
+    for ( unsigned i = 0; i < from->mNumFaces; ++i )
+    {
+        const struct aiFace* face = from->mFaces + i;
+        if ( face->mNumIndices < 3 )
+            continue;
+        uint32_t* out = mesh->indices + 3 * (size_t)mesh->triangle_count;
+        RfCut cut = rf_cut_polygon( mesh->positions, face->mIndices, face->mNumIndices, out, &import->cutter );
+        if ( cut == RF_CUT_NO_MEMORY )
+            return rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
+        if ( cut == RF_CUT_GIVEN_UP )
+            return rf_fail( error, RF_ERROR_UNSUPPORTED,
+                            "mesh '%s': a face of %u corners takes too long to triangulate: triangulate it first",
+                            rf_name_in_file( import->source, from->mName.data ), face->mNumIndices );
+        crossed += cut == RF_CUT_CROSSED;
+        mesh->triangle_count += face->mNumIndices - 2;
+    }
+    if ( crossed > 0 )
+        rf_warn( import->log, "mesh '%s': %d faces intersect themselves: their triangulation may be wrong",
+                 rf_name_in_file( import->source, from->mName.data ), crossed );
+    return RF_OK;
+}
+
+static RfResult take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh* mesh, uint32_t triangles, RfError* error )
 {
     uint32_t count = from->mNumVertices;
     *mesh = ( RfModelMesh ){ .name = rf_import_text( &from->mName ), .vertex_count = count, .material = -1 };
     if ( from->mMaterialIndex < (unsigned)import->model->material_count )
         mesh->material = (int)from->mMaterialIndex;
     mesh->positions = malloc( 3 * (size_t)count * sizeof( float ) );
-    mesh->indices = malloc( 3 * (size_t)from->mNumFaces * sizeof( uint32_t ) );
+    mesh->indices = malloc( 3 * (size_t)triangles * sizeof( uint32_t ) );
     bool good = mesh->positions != NULL && mesh->indices != NULL;
     for ( size_t i = 0; good && i < count; ++i )
     {
@@ -145,11 +171,8 @@ static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh*
     }
     if ( good )
         take_far( import, from, mesh );
-    for ( size_t i = 0; good && i < from->mNumFaces; ++i )
-    {
-        if ( from->mFaces[i].mNumIndices == 3 )
-            memcpy( mesh->indices + 3 * (size_t)mesh->triangle_count++, from->mFaces[i].mIndices, 3 * sizeof( uint32_t ) );
-    }
+    if ( good )
+        RF_TRY( take_faces( import, from, mesh, error ) );
     if ( good && from->mNormals != NULL )
     {
         mesh->normals = copy_normals( from, mesh );
@@ -166,7 +189,8 @@ static bool take_mesh( RfImport* import, const struct aiMesh* from, RfModelMesh*
         good = ( mesh->colors = copy_colors( from, count, import->source->format ) ) != NULL;
         whiten_default( import->model, mesh->material );
     }
-    return good && rf_take_pose( import, from, mesh ) && rf_join_vertices( mesh ) && rf_turn_normals( mesh );
+    good = good && rf_take_pose( import, from, mesh ) && rf_join_vertices( mesh ) && rf_turn_normals( mesh );
+    return good ? RF_OK : rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
 }
 
 // assimp does not check the numbers in some files.
@@ -190,9 +214,11 @@ static bool is_target( const struct aiNode* node )
     return strncmp( node->mName.data, RF_TARGET_NODE, strlen( RF_TARGET_NODE ) ) == 0;
 }
 
-// Notes which meshes nodes have, as 0.
+// Notes which meshes nodes have that are seen, as 0.
 static void find_used( RfImport* import, const struct aiNode* node )
 {
+    if ( rf_find_fact( import->source, RF_FACT_HIDDEN, node->mName.data, 0 ) != NULL )
+        return;
     for ( unsigned i = 0; i < node->mNumMeshes && !is_target( node ); ++i )
     {
         if ( node->mMeshes[i] < import->scene->mNumMeshes )
@@ -220,13 +246,14 @@ RfResult rf_import_meshes( RfImport* import, RfError* error )
             continue;
         import->meshes[i] = -1;
         uint32_t triangles = count_triangles( from );
-        dropped += from->mNumFaces > 0 ? from->mNumFaces - triangles : from->mNumVertices;
+        for ( unsigned f = 0; f < from->mNumFaces; ++f )
+            dropped += from->mFaces[f].mNumIndices < 3;
+        dropped += from->mNumFaces == 0 ? from->mNumVertices : 0;
         if ( triangles == 0 )
             continue;
         RF_TRY( check_corners( from, model->mesh_count, error ) );
         import->meshes[i] = model->mesh_count;
-        if ( !take_mesh( import, from, model->meshes + model->mesh_count++ ) )
-            return rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
+        RF_TRY( take_mesh( import, from, model->meshes + model->mesh_count++, triangles, error ) );
     }
     if ( dropped > 0 )
         rf_warn( import->log, "%llu points and lines are left out: only surfaces are rendered", dropped );
@@ -420,20 +447,26 @@ static bool is_still_pivot( const RfImport* import, const struct aiNode* node )
 }
 
 // Recursive: assimp itself overflows the stack first on hierarchies that are too deep.
-static bool take_node( RfImport* import, const struct aiNode* from, int parent, const RfMat4* above )
+static bool take_node( RfImport* import, const struct aiNode* from, int parent, const RfMat4* above, bool hidden )
 {
     if ( is_target( from ) )
         return true;
+    hidden = hidden || rf_find_fact( import->source, RF_FACT_HIDDEN, from->mName.data, 0 ) != NULL;
     RfMat4 own = rf_import_matrix( import, &from->mTransformation ), matrix = rf_mat4_mul( above, &own );
     if ( is_still_pivot( import, from ) )
-        return take_node( import, from->mChildren[0], parent, &matrix );
+        return take_node( import, from->mChildren[0], parent, &matrix, hidden );
     int index = rf_import_node( import, from->mName.data, parent, &matrix );
-    if ( index < 0 || !take_meshes( import, from, index ) )
+    if ( hidden && from->mNumMeshes > 0 )
+    {
+        import->hidden += 1;
+        import->hidden_name = from->mName.data;
+    }
+    if ( index < 0 || ( !hidden && !take_meshes( import, from, index ) ) )
         return false;
     const RfMat4 same = rf_mat4_identity();
     for ( unsigned i = 0; i < from->mNumChildren; ++i )
     {
-        if ( !take_node( import, from->mChildren[i], index, &same ) )
+        if ( !take_node( import, from->mChildren[i], index, &same, hidden ) )
             return false;
     }
     return true;
@@ -443,8 +476,11 @@ RfResult rf_import_nodes( RfImport* import, RfError* error )
 {
     RfMat4 origin = rf_mat4_identity();
     memcpy( origin.m + 12, import->source->origin, sizeof import->source->origin );
-    if ( !take_node( import, import->scene->mRootNode, -1, &origin ) )
+    if ( !take_node( import, import->scene->mRootNode, -1, &origin, false ) )
         return rf_fail( error, RF_ERROR_MEMORY, RF_IMPORT_MEMORY );
+    if ( import->hidden > 0 )
+        rf_warn( import->log, "%d objects are hidden in the file: they are left out, as '%s'", import->hidden,
+                 rf_name_in_file( import->source, import->hidden_name ) );
     name_far( import );
     return RF_OK;
 }

@@ -29,6 +29,7 @@ typedef struct FbxObject
     int kind;
     double weight;               // of a shape
     double orthographic, height; // of a camera
+    double hidden;               // of a model: 1 − its visibility
     size_t matrix;               // of a cluster: where its transformation is in the text; 0: nowhere
     size_t bone, of;             // of a cluster: its bone; of clusters, skins and geometries: what has them; SIZE_MAX: none
 } FbxObject;
@@ -42,6 +43,7 @@ typedef struct FbxFile
     bool wide;     // records of 64 bits
     bool binary;
     int bent; // curves of animations whose keys are not joined by straight lines
+    int dual; // skins that are bent by dual quaternions
 } FbxFile;
 
 static FbxObject* add_object( FbxFile* file, long long id, const char* kind, size_t kind_length, char* name, size_t length )
@@ -83,6 +85,8 @@ static void set_property( FbxObject* object, const char* name, size_t length, do
         if ( strlen( all[i].name ) == length && memcmp( all[i].name, name, length ) == 0 )
             *all[i].value = value;
     }
+    if ( object->kind == FBX_MODEL && length == 10 && memcmp( name, "Visibility", 10 ) == 0 )
+        object->hidden = 1.0 - value;
 }
 
 // The object with a number, or NULL.
@@ -200,6 +204,8 @@ static void make_unique( FbxFile* file )
     for ( size_t i = 0; i < file->count; ++i )
     {
         const FbxObject* o = file->objects + i;
+        if ( o->kind == FBX_MODEL && o->hidden >= 1.0 )
+            rf_add_fact( file->source, RF_FACT_HIDDEN, o->name, o->length );
         RfFact* fact = o->kind == FBX_SHAPE ? rf_add_fact( file->source, RF_FACT_WEIGHT, o->name, o->length ) : NULL;
         if ( fact != NULL )
             fact->values[0] = 0.01 * o->weight;
@@ -280,7 +286,13 @@ static bool is_named( const FbxFile* file, const FbxRecord* record, const char* 
     return strlen( name ) == record->name_length && memcmp( file->source->text + record->name, name, record->name_length ) == 0;
 }
 
-// DeformPercent of a shape; of a camera the lists "P" with a name and, as their fifth value, a number.
+static void note_skinning( FbxFile* file, const char* type, size_t length )
+{
+    file->dual +=
+        ( length == 14 && memcmp( type, "DualQuaternion", 14 ) == 0 ) || ( length == 5 && memcmp( type, "Blend", 5 ) == 0 );
+}
+
+// DeformPercent of a shape; of cameras and models the lists "P" with a name and, as their fifth value, a number.
 static void read_properties( FbxFile* file, const FbxRecord* parent, FbxObject* object, int depth )
 {
     FbxRecord r;
@@ -293,6 +305,8 @@ static void read_properties( FbxFile* file, const FbxRecord* parent, FbxObject* 
         next = read_value( file, next, r.inner, &number, &name, &name_length );
         if ( is_named( file, &r, "Transform" ) && object->kind == FBX_CLUSTER )
             object->matrix = r.values;
+        if ( is_named( file, &r, "SkinningType" ) && next > 0 && name != 0 )
+            note_skinning( file, file->source->text + name, name_length );
         if ( is_named( file, &r, "DeformPercent" ) && next > 0 && name == 0 )
             set_property( object, "DeformPercent", 13, number );
         if ( !is_named( file, &r, "P" ) || next == 0 || name == 0 )
@@ -421,7 +435,7 @@ static void read_objects( FbxFile* file, const FbxRecord* parent )
                                         name, name_length );
         if ( object != NULL && object->kind == FBX_GEOMETRY )
             note_far( file, &r );
-        if ( object != NULL && object->kind != FBX_MODEL && object->kind != FBX_GEOMETRY )
+        if ( object != NULL && object->kind != FBX_GEOMETRY )
             read_properties( file, &r, object, 0 );
     }
 }
@@ -507,7 +521,9 @@ static FbxObject* read_line( FbxFile* file, char* line, char* end, FbxObject* ob
         object->matrix = (size_t)( line - file->source->text );
     if ( object != NULL && strncmp( line, "DeformPercent:", 14 ) == 0 )
         set_property( object, "DeformPercent", 13, strtod( value + 1, NULL ) );
-    if ( object != NULL && object->kind == FBX_CAMERA && strncmp( line, "P:", 2 ) == 0 )
+    if ( object != NULL && strncmp( line, "SkinningType:", 13 ) == 0 && read_quoted( value, end, &text, &length ) != NULL )
+        note_skinning( file, text, length );
+    if ( object != NULL && ( object->kind == FBX_CAMERA || object->kind == FBX_MODEL ) && strncmp( line, "P:", 2 ) == 0 )
     {
         char* at = read_quoted( value, end, &name, &name_length );
         for ( int i = 0; i < 3 && at != NULL; ++i )
@@ -591,6 +607,9 @@ void rf_note_fbx( RfSource* source )
     note_binds( &file );
     if ( file.bent > 0 )
         rf_warn( source->log, "%d curves of animations are cubic or stepped: they go straight between their keys", file.bent );
+    if ( file.dual > 0 )
+        rf_warn( source->log, "%d skins are for dual quaternions: they are bent linearly, thinner at joints that twist",
+                 file.dual );
     free( file.objects );
     free( file.by_id );
 }

@@ -165,8 +165,8 @@ static void fill_cell( RfSky* sky, const RfEnvironment* e, int cell, const CellW
     uint32_t count = 1u << ( sky->column_bits + sky->row_bits );
     RfSkyPixel* pixels = sky->pixel + (size_t)cell * count;
     double total = 0.0;
-    sky->cell[cell].column = (uint16_t)x0;
-    sky->cell[cell].row = (uint16_t)y0;
+    sky->cell[cell].x = (uint16_t)( cell % sky->cells_across );
+    sky->cell[cell].y = (uint16_t)( cell / sky->cells_across );
     for ( uint32_t i = 0; i < count; ++i )
     {
         int x = x0 + (int)( i & ( ( 1u << sky->column_bits ) - 1 ) ), y = y0 + (int)( i >> sky->column_bits );
@@ -415,16 +415,16 @@ static int sample_cell( const RfSky* sky, int lobe, uint32_t u )
 // Samples of a map on their way from a cell to a direction.
 typedef struct SkyBlock
 {
-    _Alignas( 64 ) float weight[3][RF_SKY_LANES], sum[RF_SKY_LANES]; // of the lobes; their sum, 0: nothing arrives
-    int32_t side[3][RF_SKY_LANES], lobe[RF_SKY_LANES];               // the lobes, and the one that the sample is of
-    int32_t within[RF_SKY_LANES],
-        length[RF_SKY_LANES];        // place in its distribution, in units of 2⁻³¹; its share, in units of 2⁻³⁰
-    float probability[RF_SKY_LANES]; // of the cell
+    _Alignas( 64 ) float weight[3][RF_SKY_LANES];       // of the lobes
+    float sum[RF_SKY_LANES];                            // of what they send; 0: nothing arrives
+    int32_t side[3][RF_SKY_LANES], lobe[RF_SKY_LANES];  // the lobes, and the one that the sample is of
+    int32_t within[RF_SKY_LANES], length[RF_SKY_LANES]; // place in its distribution, in units of 2⁻³¹; its share, of 2⁻³⁰
+    float probability[RF_SKY_LANES];                    // of the cell
     int32_t cell[RF_SKY_LANES];
-    uint32_t pixel[RF_SKY_LANES],
-        part[RF_SKY_LANES]; // number in its cell; the fraction that decides between it and its alias, in units of 2⁻¹⁶
-    _Alignas( 64 ) double x[RF_SKY_LANES], top[RF_SKY_LANES],
-        bottom[RF_SKY_LANES]; // column with the place in it, cosines at the ends of the row
+    uint32_t pixel[RF_SKY_LANES];                   // number in its cell
+    uint32_t part[RF_SKY_LANES];                    // decides between it and its alias, in units of 2⁻¹⁶
+    _Alignas( 64 ) double x[RF_SKY_LANES];          // column, with the place in it
+    double top[RF_SKY_LANES], bottom[RF_SKY_LANES]; // cosines at the ends of the row
 } SkyBlock;
 
 // Pixels of the cells, by their alias tables. A loop for each step, so that what it needs of large tables comes together.
@@ -448,8 +448,10 @@ static void find_pixels( const RfSky* sky, int count, const uint32_t* bits, cons
     {
         const RfSkyCell* cell = sky->cell + b->cell[i];
         uint32_t pixel = b->pixel[i];
-        const double* ends = sky->row_cosine + cell->row + ( pixel >> sky->column_bits );
-        b->x[i] = (double)( cell->column + ( pixel & ( ( 1u << sky->column_bits ) - 1 ) ) ) + (double)u[i];
+        uint32_t x = ( (uint32_t)cell->x << sky->column_bits ) + ( pixel & ( ( 1u << sky->column_bits ) - 1 ) );
+        uint32_t y = ( (uint32_t)cell->y << sky->row_bits ) + ( pixel >> sky->column_bits );
+        const double* ends = sky->row_cosine + y;
+        b->x[i] = (double)(int32_t)x + (double)u[i];
         b->top[i] = ends[0];
         b->bottom[i] = ends[1];
         pdf_solid_angle[i] = b->probability[i] * sky->pixel[( (size_t)b->cell[i] << pixel_bits ) + pixel].density;

@@ -22,7 +22,7 @@ typedef struct RfSkyPixel
 typedef struct RfSkyCell
 {
     float flux[RF_SKY_LOBES]; // luminance times cosine times solid angle, W/m²
-    uint16_t column, row;     // of its first pixel
+    uint16_t x, y;            // among the cells
 } RfSkyCell;
 
 typedef struct RfSky

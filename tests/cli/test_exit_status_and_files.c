@@ -255,6 +255,20 @@ TEST( test_words_for_compressions )
 #endif
 }
 
+// The program of a build is the only one there, so that no kernel but its own can be had.
+TEST( test_kernels )
+{
+    cli_expect( cli_run( "REFRAME_KERNEL=fast $R --version" ), 1, "REFRAME_KERNEL: 'fast': no kernel" );
+    const CliResult* run = cli_run( "$R --version" );
+    char kernel[16] = "", command[80];
+    assert_int_equal( sscanf( strstr( run->out, "(pictures" ), "(pictures %*d, %15[a-z0-9-]", kernel ), 1 );
+    snprintf( command, sizeof command, "REFRAME_KERNEL=%s $R --version", kernel );
+    cli_expect( cli_run( command ), 0, NULL );
+    bool least = strcmp( kernel, "x86-64-v2" ) == 0;
+    cli_expect( cli_run( least ? "REFRAME_KERNEL=x86-64-v3 $R --version" : "REFRAME_KERNEL=x86-64-v2 $R --version" ), 1,
+                "REFRAME_KERNEL: " );
+}
+
 TEST( test_header_tells_the_settings )
 {
     cli_expect( cli_run( "$R render $VASE -o a.exr --frames 2 --seed 18446744073709551615 " SMALL ), 0, NULL );

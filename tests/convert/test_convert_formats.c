@@ -279,6 +279,41 @@ TEST_WITHIN( test_fbx_arrives, convert_enter, convert_leave )
     assert_true( convert_near( scene.punctuals->cos_outer, cos( 0.5235987755982988 ) ) );
 }
 
+TEST_WITHIN( test_hidden_objects_are_left_out, convert_enter, convert_leave )
+{
+    static const char place[] = "P: \"Lcl Translation\", \"Lcl Translation\", \"\", \"A\",100,200,300\n";
+    static const char hidden[] = "P: \"Visibility\", \"Visibility\", \"\", \"A\",0";
+    char* text = strdup( s_fbx );
+    char* found = strstr( text, place );
+    assert_non_null( found );
+    memset( found, ' ', strlen( place ) - 1 );
+    memcpy( found, hidden, strlen( hidden ) );
+    convert_write( "h.fbx", text );
+    free( text );
+    const CliResult* run = cli_run( "$R convert h.fbx h.glb" );
+    assert_int_equal( run->status, 1 );
+    assert_non_null( strstr( run->err, "1 objects are hidden in the file: they are left out, as 'tri'" ) );
+    assert_non_null( strstr( run->err, "has no triangles" ) );
+}
+
+// A U, and its area.
+TEST_WITHIN( test_concave_faces_arrive_whole, convert_enter, convert_leave )
+{
+    convert_write( "u.obj", "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 2 3 0\nv 2 1 0\nv 1 1 0\nv 1 3 0\nv 0 3 0\nf 1 2 3 4 5 6 7 8\n" );
+    cli_expect( cli_run( "$R convert u.obj u.glb --quiet" ), 0, NULL );
+    AUTO_SCENE scene = convert_load( "u.glb" );
+    double sum = 0.0, twice;
+    assert_int_equal( scene.triangles.count, 6 );
+    for ( uint32_t i = 0; i < 6; ++i )
+    {
+        RfVec3 a = rf_corner( &scene.triangles, i, 0 ), b = rf_corner( &scene.triangles, i, 1 ),
+               c = rf_corner( &scene.triangles, i, 2 );
+        rf_unit_cross( rf_sub( b, a ), rf_sub( c, a ), &twice );
+        sum += 0.5 * twice;
+    }
+    assert_true( convert_near( sum, 7.0 ) );
+}
+
 TEST_WITHIN( test_missing_texture, convert_enter, convert_leave )
 {
     convert_write( "a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n" );

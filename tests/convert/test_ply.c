@@ -271,25 +271,25 @@ TEST( test_what_is_taken_leniently )
     assert_true( m->material == 0 && model.material_count == 1 && model.materials->metallic == 0.0f );
 }
 
-// Teeth all around: cutting one takes the square of its corners, and a file of
-// them must not take for ever.
-TEST( test_tangled_polygons_take_bounded_time )
+enum
 {
-    enum
-    {
-        CORNERS = 40000,
-        FACES_MADE = 20,
-        ROOM = 16 * CORNERS * ( FACES_MADE + 1 )
-    };
+    CORNERS = 40000,
+    FACES_MADE = 20,
+    ROOM = 16 * CORNERS * ( FACES_MADE + 1 )
+};
+
+// Faces with many corners around a point: one after another, or each `stride` further on than the one before.
+static RfResult load_large_faces( int64_t stride, RfModel* model, RfError* error )
+{
     AUTO_FREE uint8_t* bytes = malloc( ROOM );
     size_t at = (size_t)snprintf(
         (char*)bytes, ROOM,
         "ply\nformat binary_little_endian 1.0\nelement vertex %d\nproperty float x\n"
         "property float y\nproperty float z\nelement face %d\nproperty list int int vertex_indices\nend_header\n",
         CORNERS, FACES_MADE );
-    for ( int i = 0; i < CORNERS; ++i )
+    for ( int64_t i = 0; i < CORNERS; ++i )
     {
-        double turn = 2.0 * 3.14159265358979 * i / CORNERS, radius = i % 2 == 0 ? 0.5 : 1.0;
+        double turn = 2.0 * 3.14159265358979 * (double)( i * stride % CORNERS ) / CORNERS, radius = i % 2 == 0 ? 0.5 : 1.0;
         float p[3] = { (float)( radius * cos( turn ) ), (float)( radius * sin( turn ) ), 0.0f };
         memcpy( bytes + at, p, sizeof p );
         at += sizeof p;
@@ -302,10 +302,50 @@ TEST( test_tangled_polygons_take_bounded_time )
         for ( int32_t i = 0; i < n; ++i, at += 4 )
             memcpy( bytes + at, &i, 4 );
     }
+    return load( bytes, at, model, error );
+}
+
+static double area_of_model( const RfModel* model )
+{
+    const RfModelMesh* m = model->meshes;
+    double sum = 0.0;
+    for ( uint32_t i = 0; i < m->triangle_count; ++i )
+    {
+        const float *a = m->positions + 3 * (size_t)m->indices[3 * i], *b = m->positions + 3 * (size_t)m->indices[3 * i + 1],
+                    *c = m->positions + 3 * (size_t)m->indices[3 * i + 2];
+        sum += 0.5 * fabs( ( (double)b[0] - (double)a[0] ) * ( (double)c[1] - (double)a[1] ) -
+                           ( (double)c[0] - (double)a[0] ) * ( (double)b[1] - (double)a[1] ) );
+    }
+    return sum;
+}
+
+// Teeth all around are cut in no time; what is tangled must not take for ever.
+TEST( test_large_polygons_take_bounded_time )
+{
     RfModel model;
     RfError error;
-    assert_int_equal( load( bytes, at, &model, &error ), RF_ERROR_UNSUPPORTED );
+    assert_int_equal( load_large_faces( 1, &model, &error ), RF_OK );
+    assert_int_equal( model.meshes->triangle_count, FACES_MADE * ( CORNERS - 2 ) );
+    double teeth = FACES_MADE * CORNERS * 0.5 * 0.5 * sin( 2.0 * 3.14159265358979 / CORNERS );
+    assert_true( fabs( area_of_model( &model ) / teeth - 1.0 ) < 1e-4 );
+    rf_destroy_model( &model );
+    assert_int_equal( load_large_faces( 3, &model, &error ), RF_ERROR_UNSUPPORTED );
     assert_non_null( strstr( error.text, "of 40000 corners takes too long to triangulate: triangulate it first" ) );
+}
+
+// A square with a square hole, which an edge that runs there and back joins to the border, both ends twice in the file.
+TEST( test_polygon_with_a_hole )
+{
+    static const char text[] = "ply\nformat ascii 1.0\nelement vertex 10\nproperty float x\nproperty float y\nproperty float z\n"
+                               "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+                               "0 0 0\n4 0 0\n4 4 0\n0 4 0\n0 0 0\n1 1 0\n1 3 0\n3 3 0\n3 1 0\n1 1 0\n"
+                               "10 0 1 2 3 4 5 6 7 8 9\n";
+    RfModel model;
+    s_warnings = 0;
+    load_ok( text, strlen( text ), &model );
+    assert_int_equal( model.meshes->triangle_count, 8 );
+    assert_true( fabs( area_of_model( &model ) - 12.0 ) < 1e-6 && s_warnings == 0 );
+    rf_destroy_model( &model );
 }
 
 // Whatever becomes of the bytes: a result or an error line, in no time.
