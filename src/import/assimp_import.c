@@ -121,6 +121,8 @@ static RfResult take_all( RfImport* import, RfError* error )
 {
     find_unit( import );
     turn_fbx_axes( import );
+    if ( import->turned_again && import->source->format == RF_SOURCE_COLLADA )
+        rf_warn( import->log, "the file says which of its axes points up, and is turned to y: it is turned once more" );
     RF_TRY( rf_import_materials( import, error ) );
     if ( import->lost[0] != 0 && !import->accepts_losses )
         return rf_advise( rf_fail( error, RF_ERROR_IO, "%s", import->lost ), RF_REMEDY_ACCEPT_LOSSES, 0, error );
@@ -137,15 +139,16 @@ static RfResult take_all( RfImport* import, RfError* error )
 }
 
 // Imports a whole file. Messages do not name the file: the caller does.
-static RfResult import_by_assimp( const char* path, bool accepts_losses, bool up_of_file, RfModel* model, RfLog* log,
-                                  RfError* error )
+static RfResult import_by_assimp( char** argv, RfModel* model, RfLog* log, RfError* error )
 {
+    const char* path = argv[1];
     RfSource source;
     RfImport import = { .source = &source,
                         .model = model,
                         .log = log,
-                        .accepts_losses = accepts_losses,
-                        .up_of_file = up_of_file,
+                        .accepts_losses = strcmp( argv[6], "accept" ) == 0,
+                        .up_of_file = strcmp( argv[4], "file" ) == 0,
+                        .turned_again = strcmp( argv[4], "z" ) == 0,
                         .cutter = { .steps = RF_CUT_STEPS } };
     RfResult result = rf_open_source( path, &source, log, error );
     // points and lines stay in their meshes and are counted there; equal vertices become one later, all that they have compared
@@ -235,8 +238,7 @@ static RfResult import_to( RfAtomicFile* out, char** argv, RfError* error )
     double scale;
     unsigned long long bits = strtoull( argv[5], NULL, 16 );
     memcpy( &scale, &bits, sizeof scale );
-    RfResult result =
-        import_by_assimp( argv[1], strcmp( argv[6], "accept" ) == 0, strcmp( argv[4], "file" ) == 0, &model, &log, error );
+    RfResult result = import_by_assimp( argv, &model, &log, error );
     if ( result == RF_OK )
         result = rf_apply_root_transform( &model, argv[4][0] == 'z', scale, error );
     if ( result == RF_OK )

@@ -91,6 +91,7 @@ typedef struct RfImport
     int hidden;              // nodes with meshes that are
     const char* hidden_name; // of one of them
     bool up_of_file;         // FBX: its axes are turned to y up, as it says
+    bool turned_again;       // z is turned to y afterwards
     bool accepts_losses;     // of images; else import_by_assimp fails with all of them
     char lost[880];          // those that cannot be read, and why; as many as fit
     RfPosed* posed;
