@@ -74,8 +74,7 @@ typedef struct RfLightPaths
     uint32_t* triangle;
     double* cumulative; // of their probabilities
     float* pdf_area;    // of their points
-    bool
-        emission; // of surfaces and the sky is found by connections: there are mirrors or glass; plates serve punctual lights alone
+    bool emission;      // of surfaces and the sky is found, too: there are mirrors or glass; plates serve punctual lights alone
     // the lights that light paths start from
     uint32_t light_count;
     uint32_t* light;
