@@ -263,7 +263,7 @@ TEST( test_kernels )
     char kernel[16] = "", command[80];
     assert_int_equal( sscanf( strstr( run->out, "(pictures" ), "(pictures %*d, %15[a-z0-9-]", kernel ), 1 );
     snprintf( command, sizeof command, "REFRAME_KERNEL=%s $R --version", kernel );
-    cli_expect( cli_run( command ), 0, NULL );
+    cli_expect( cli_run( "%s", command ), 0, NULL );
     bool least = strcmp( kernel, "x86-64-v2" ) == 0;
     cli_expect( cli_run( least ? "REFRAME_KERNEL=x86-64-v3 $R --version" : "REFRAME_KERNEL=x86-64-v2 $R --version" ), 1,
                 "REFRAME_KERNEL: " );
