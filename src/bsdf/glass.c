@@ -438,6 +438,132 @@ RF_KERNEL void evaluate_lanes( bool spectral, int count, const RfBsdfLanes* lane
 GLASS_FUNCTIONS( glass, false )
 GLASS_FUNCTIONS( spectral, true )
 
+// FROSTED: rough glass without a spectrum where a camera sees it, from outside or, where it is thin, from either side. Like
+// TRANSLUCENT it has drawn the side on which light arrives (RF_PARAM_CHOICE), where n is, and scatters the light of one hemisphere
+// over the probability of its side: base and reflection on the side that is seen, and on the other, by Walter et al. (2007), eq. 21,
+//
+//   f = T (1 − F) D G1 G1 |o·h| |i·h| / ( |n·o| |n·i| |o + η i|² )        h = −(o + η i) / |o + η i|
+//
+// with the index η inside; walls without an inside spread what they transmit as they spread what they reflect.
+
+// The side that is seen: what it scatters, and how likely each of it is.
+typedef struct Frosted
+{
+    Glass glass; // n is on the side that is seen
+    float base;  // the probability of sampling the base rather than reflection
+    float side;  // the probability of the side that was drawn
+    float scale; // one over it
+    bool through;
+} Frosted;
+
+// A facet at 60°, which reflects about as much as all together do; at least a fifth, as lamps are seen in it.
+#define FROSTED_COSINE 0.5f
+#define LEAST_REFLECTION 0.1f
+
+RF_KERNEL Frosted frosted_of( const RfBsdfLanes* lanes, int i )
+{
+    Frosted out = { .glass = glass_of( lanes, i, false ) };
+    Glass* g = &out.glass;
+    float choice = lanes->param[RF_PARAM_CHOICE][i];
+    g->n = rf_scale( g->n, choice );
+    float base = rf_mean( g->base ) * base_transmission( g, FROSTED_COSINE ).x;
+    float here = base + rf_mean( reflectance( g, FROSTED_COSINE ) ),
+          there = rf_mean( g->tint ) * ( 1.0f - dielectric( FROSTED_COSINE, g->ior ) );
+    float through = there > 0.0f ? there / ( here + there ) : 0.0f;
+    through = rf_minf( through, 1.0f - LEAST_REFLECTION );
+    out.base = base > 0.0f ? base / here : 0.0f;
+    out.through = choice < 0.0f;
+    out.side = out.through ? through : 1.0f - through;
+    out.scale = out.side > 0.0f ? 1.0f / out.side : 0.0f;
+    return out;
+}
+
+float rf_frosted_through_probability( const RfBsdfLanes* lanes, int lane )
+{
+    Frosted f = frosted_of( lanes, lane );
+    return f.through ? f.side : 1.0f - f.side;
+}
+
+// D for a facet, without the cancellation of 1 − cos².
+RF_KERNEL float facet_density( const Glass* g, RfVec3 h )
+{
+    RfVec3 cross = rf_cross( g->n, h );
+    float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha, q = a2 * along * along + rf_dot( cross, cross );
+    return along > 0.0f ? a2 * RF_INV_PI / ( q * q ) : 0.0f;
+}
+
+RF_KERNEL RfScattering evaluate_through( const Frosted* at, RfEyeLane eye, RfVec3 wi )
+{
+    const Glass* g = &at->glass;
+    RfScattering s = { { 0, 0, 0 }, 0.0f };
+    float cos_i = -rf_dot( g->n, wi );
+    if ( cos_i <= 0.0f )
+        return s;
+    RfVec3 sum = g->thin ? rf_add( eye.wo, rf_madd( wi, g->n, 2.0f * cos_i ) ) : rf_madd( eye.wo, wi, g->ior );
+    RfVec3 h = rf_scale( rf_normalize( sum ), g->thin ? 1.0f : -1.0f );
+    float facet_o = rf_dot( eye.wo, h ), facet_i = -rf_dot( wi, h ), length2 = rf_dot( sum, sum );
+    if ( facet_o <= 0.0f || ( !g->thin && facet_i <= 0.0f ) )
+        return s;
+    float stretch = g->thin ? 0.25f / facet_o : g->ior * g->ior * facet_i / length2; // facets per direction
+    float masking = 2.0f / ( 1.0f + smith( g->alpha, eye.cos_o ) ), shadowing = 2.0f / ( 1.0f + smith( g->alpha, cos_i ) );
+    s.pdf_solid_angle = masking * facet_density( g, h ) * facet_o / eye.cos_o * stretch;
+    float f = 1.0f - dielectric( facet_o, g->ior ), radiance_scale = g->thin ? 1.0f : 1.0f / ( g->ior * g->ior );
+    s.f = rf_scale( g->tint, f * shadowing * radiance_scale * at->scale * s.pdf_solid_angle / cos_i );
+    return s;
+}
+
+RF_KERNEL RfScattering evaluate_here( const Frosted* at, RfEyeLane eye, RfVec3 wi )
+{
+    const Glass* g = &at->glass;
+    RfScattering s = { { 0, 0, 0 }, 0.0f };
+    float cos_i = rf_dot( g->n, wi ), cos_o = eye.cos_o;
+    if ( cos_i <= 0.0f )
+        return s;
+    RfVec3 sum = rf_add( eye.wo, wi ), h = rf_normalize( sum );
+    float d = facet_density( g, h ), so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
+    RfVec3 in = base_transmission( g, cos_o ), out = base_transmission( g, cos_i );
+    RfVec3 base = rf_scale( rf_mul( g->base, rf_mul( in, out ) ), RF_INV_PI * at->scale );
+    RfVec3 f = reflectance( g, 0.5f * rf_length( sum ) );
+    s.f = rf_madd( base, f, at->scale * d * 2.0f / ( so + si ) / ( 4.0f * cos_o * cos_i ) );
+    s.pdf_solid_angle = at->base * cos_i * RF_INV_PI + ( 1.0f - at->base ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
+    return s;
+}
+
+void rf_frosted_evaluate( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const wi[3],
+                          float* const f[3], float* pdf_solid_angle )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        Frosted at = frosted_of( lanes, i );
+        RfEyeLane eye = rf_lift_to_horizon( at.glass.n, rf_at( rf_lanes3( wo ), i ) );
+        RfVec3 in = rf_at( rf_lanes3( wi ), i );
+        RfScattering s = at.through ? evaluate_through( &at, eye, in ) : evaluate_here( &at, eye, in );
+        if ( f != NULL )
+            rf_put( rf_lanes_out3( f ), i, s.f );
+        if ( pdf_solid_angle != NULL )
+            pdf_solid_angle[i] = s.pdf_solid_angle;
+    }
+}
+
+void rf_frosted_sample( int count, const RfBsdfLanes* lanes, const float* const wo[3], const float* const u[3],
+                        float* const wi[3] )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        Frosted at = frosted_of( lanes, i );
+        const Glass* g = &at.glass;
+        RfEyeLane eye = rf_lift_to_horizon( g->n, rf_at( rf_lanes3( wo ), i ) );
+        RfVec3 h = sample_facet( g, eye, u[0][i], u[1][i] ), out;
+        if ( at.through )
+            out = transmitted( g, g->ior, eye.wo, h );
+        else if ( u[2][i] < at.base )
+            out = rf_madd( rf_scale( rf_azimuth_direction( g->n, u[1][i] ), sqrtf( u[0][i] ) ), g->n, sqrtf( 1.0f - u[0][i] ) );
+        else
+            out = mirrored( eye.wo, h );
+        rf_put( rf_lanes_out3( wi ), i, out );
+    }
+}
+
 // What single lobes of mirrors and glass are: panes, and delta lobes that are asked for by name.
 
 // Rays from below the shading horizon do not go straight: they are lifted to it, so the wall is no pane for them.

@@ -20,9 +20,9 @@
 // The functions of the table, and those of GGX with anisotropy and a film together.
 RfBsdfEvaluate rf_lambert_evaluate, rf_phong_evaluate, rf_ggx_evaluate, rf_coated_evaluate, rf_sheen_evaluate,
     rf_anisotropic_evaluate, rf_iridescent_evaluate, rf_facets_evaluate, rf_layered_evaluate, rf_translucent_evaluate,
-    rf_glass_evaluate, rf_spectral_evaluate;
+    rf_frosted_evaluate, rf_glass_evaluate, rf_spectral_evaluate;
 RfBsdfSample rf_lambert_sample, rf_phong_sample, rf_ggx_sample, rf_coated_sample, rf_sheen_sample, rf_anisotropic_sample,
-    rf_iridescent_sample, rf_facets_sample, rf_layered_sample, rf_translucent_sample;
+    rf_iridescent_sample, rf_facets_sample, rf_layered_sample, rf_translucent_sample, rf_frosted_sample;
 RfBsdfSampleWeighted rf_glass_sample, rf_spectral_sample;
 
 typedef struct RfScattering

@@ -24,6 +24,7 @@ typedef enum RfBsdfKind
     RF_BSDF_IRIDESCENT,  // GGX with a thin film (KHR_materials_iridescence)
     RF_BSDF_LAYERED,     // any of coat, sheen, anisotropy and film together
     RF_BSDF_TRANSLUCENT, // GGX whose base also scatters to the other side (KHR_materials_diffuse_transmission)
+    RF_BSDF_FROSTED,     // rough glass at first hits that the frames of a group share; materials are RF_BSDF_GLASS
     RF_BSDF_GLASS,       // perfect mirrors; glass, smooth or rough
     RF_BSDF_SPECTRAL,    // glass with dispersion or a thin film (KHR_materials_dispersion, _iridescence)
     RF_BSDF_KIND_COUNT
@@ -90,6 +91,9 @@ static inline bool rf_is_chain_surface( const RfMaterial* m )
 {
     return m->kind == RF_BSDF_GLASS && m->alpha == 0.0f && m->textured == NULL && !m->thin;
 }
+
+#define RF_FROSTED_ALPHA 0.04f // roughness 0.2: below, what one camera sees through it says little about another
+#define RF_FROSTED_IOR 1.1f    // below, facets hardly refract, and lobes are narrow whatever their roughness is
 
 #define RF_PLATE_ALPHA 0.04f // roughness 0.2
 
@@ -168,7 +172,7 @@ typedef enum RfBsdfParam
     RF_PARAM_FILM_IOR,
     RF_PARAM_FILM_THICKNESS,
     RF_PARAM_DISPERSION,
-    RF_PARAM_CHOICE, // what was drawn with the hit: TRANSLUCENT: 1, light arrives on the side that is seen, or −1, on the
+    RF_PARAM_CHOICE, // what was drawn with the hit: TRANSLUCENT, FROSTED: 1, light arrives on the side that is seen, or −1, on the
                      // other, where n is then; SPECTRAL: the channel
     RF_PARAM_COUNT
 } RfBsdfParam;

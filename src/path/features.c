@@ -51,7 +51,7 @@ RfVec3 rf_albedo_of_lane( const RfVertexLanes* v, int i )
 
 RfVec3 rf_seen_normal( const RfVertexLanes* v, int i )
 {
-    bool drawn = i >= v->first[RF_BSDF_TRANSLUCENT] && i < v->first[RF_BSDF_TRANSLUCENT + 1];
+    bool drawn = i >= rf_first_sided( v ) && i < rf_record_count( v );
     return rf_scale( RF_GET3( v->n, i ), drawn ? v->param[RF_PARAM_CHOICE][i] : 1.0f );
 }
 

@@ -59,6 +59,9 @@ typedef struct RfSurfaceLanes
 // Number of lanes that become records; the specular ones follow them.
 static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF_BSDF_FIRST_SPECULAR]; }
 
+// From this lane on records have drawn the side on which light arrives (rf_draw_sides).
+static inline int rf_first_sided( const RfVertexLanes* v ) { return v->first[RF_BSDF_TRANSLUCENT]; }
+
 // The model of any lane.
 static inline RfBsdfKind rf_kind_of_lane( const RfVertexLanes* v, int i )
 {

@@ -37,14 +37,35 @@ static inline __attribute__( ( always_inline ) ) void count_kinds( const RfTrace
     }
 }
 
-// Stable counting sort of the hits by model: index[] lists their ray lanes.
-static void sort_by_kind( const RfTracer* tracer, int count, RfLaneScratch* scratch, RfVertexLanes* vertices )
+// The hits of camera rays on rough glass that the frames of a group share, from outside unless it is thin.
+static void find_frosted( const RfTracer* tracer, const RfRayLanes* rays, RfLaneScratch* scratch, int* bucket )
 {
-    int bucket[RF_BSDF_KIND_COUNT + 1] = { 0 };
+    for ( int i = 0; i < rays->count && bucket[RF_BSDF_GLASS] > 0; ++i )
+    {
+        if ( scratch->kind[i] != RF_BSDF_GLASS )
+            continue;
+        RfTriangleRecord place;
+        const RfTriangleRecord* t = rf_triangle_record( tracer, scratch->triangle[i], &place );
+        const RfMaterial* m = rf_tracer_scene( tracer )->materials + t->material;
+        if ( !rf_is_frosted( m ) || ( !m->thin && rf_dot( t->ng, RF_GET3( rays->d, i ) ) > 0.0f ) )
+            continue;
+        scratch->kind[i] = RF_BSDF_FROSTED;
+        bucket[RF_BSDF_FROSTED] += 1;
+        bucket[RF_BSDF_GLASS] -= 1;
+    }
+}
+
+// Stable counting sort of the hits by model: index[] lists their ray lanes.
+static void sort_by_kind( const RfTracer* tracer, const RfRayLanes* rays, bool frosted, RfLaneScratch* scratch,
+                          RfVertexLanes* vertices )
+{
+    int bucket[RF_BSDF_KIND_COUNT + 1] = { 0 }, count = rays->count;
     if ( rf_tracer_has_placements( tracer ) )
         count_kinds( tracer, count, scratch, bucket, true );
     else
         count_kinds( tracer, count, scratch, bucket, false );
+    if ( frosted )
+        find_frosted( tracer, rays, scratch, bucket );
     int start = 0;
     for ( int k = 0; k <= RF_BSDF_KIND_COUNT; ++k )
     {
@@ -294,10 +315,10 @@ static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKi
 }
 
 // Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
-static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, bool seen, RfVertexLanes* vertices,
+static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, bool seen, bool frosted, RfVertexLanes* vertices,
                            RfLaneScratch* scratch )
 {
-    sort_by_kind( tracer, rays->count, scratch, vertices );
+    sort_by_kind( tracer, rays, frosted, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
     Source from = { .tracer = tracer,
                     .triangles = rf_tracer_records( tracer )->records,
@@ -333,7 +354,9 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( settings->tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
-    fill_vertices( settings->tracer, rays, coherent, vertices, scratch );
+    fill_vertices( settings->tracer, rays, coherent, coherent && settings->frosted, vertices, scratch );
+    for ( int i = vertices->first[RF_BSDF_FROSTED]; i < vertices->first[RF_BSDF_FROSTED + 1]; ++i )
+        vertices->param[RF_PARAM_CHOICE][i] = 1.0f;
 }
 
 // Panes that rays from `first_past` on did not pass, which has the probability 1 − q: what is left of them is
@@ -397,27 +420,37 @@ const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayL
     }
     trace_to_panes( settings, rays, first_past, scratch );
     trace_past_panes( settings, rays, first_past, scratch );
-    fill_vertices( settings->tracer, rays, false, vertices, scratch );
+    fill_vertices( settings->tracer, rays, false, false, vertices, scratch );
     float* tint[3] = { vertices->param[RF_PARAM_TINT], vertices->param[RF_PARAM_TINT + 1], vertices->param[RF_PARAM_TINT + 2] };
     stop_at_panes( vertices, rays, first_past, tint );
     return scratch->visible;
 }
 
-// ---- The sides of translucent surfaces on which light is drawn to arrive (src/reuse/estimators.md, section 20)
+// ---- The sides of translucent surfaces and of rough glass on which light is drawn to arrive (src/reuse/estimators.md, section 20)
 
 static RfVec3 colour_at( const RfVertexLanes* v, RfBsdfParam param, int i ) { return RF_GET3( v->param + param, i ); }
 
+static float through_probability_of( const RfVertexLanes* v, int i )
+{
+    if ( i >= v->first[RF_BSDF_FROSTED] )
+    {
+        RfBsdfLanes lanes = rf_vertex_bsdf_lanes( v, RF_BSDF_FROSTED, 0 );
+        return rf_frosted_through_probability( &lanes, i );
+    }
+    return rf_through_probability( colour_at( v, RF_PARAM_THROUGH, i ), colour_at( v, RF_PARAM_DIFFUSE, i ),
+                                   colour_at( v, RF_PARAM_SPECULAR, i ), v->param[RF_PARAM_F90][i] );
+}
+
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* v )
 {
-    int first = v->first[RF_BSDF_TRANSLUCENT], count = v->first[RF_BSDF_TRANSLUCENT + 1] - first;
+    int first = rf_first_sided( v ), count = rf_record_count( v ) - first;
     if ( count == 0 )
         return;
     float u[1][RF_LANES];
     rf_draw_lanes( keys, count, v->slot + first, RF_DIMENSION_SIDES + (uint32_t)vertex, 1, u );
     for ( int i = first; i < first + count; ++i )
     {
-        float p = rf_through_probability( colour_at( v, RF_PARAM_THROUGH, i ), colour_at( v, RF_PARAM_DIFFUSE, i ),
-                                          colour_at( v, RF_PARAM_SPECULAR, i ), v->param[RF_PARAM_F90][i] );
+        float p = through_probability_of( v, i );
         float side = u[0][i - first] < p ? -1.0f : 1.0f;
         v->param[RF_PARAM_CHOICE][i] = side;
         for ( int c = 0; c < 3; ++c )
@@ -430,7 +463,7 @@ void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* v )
 
 void rf_face_rays( RfVertexLanes* v )
 {
-    for ( int i = v->first[RF_BSDF_TRANSLUCENT]; i < v->first[RF_BSDF_TRANSLUCENT + 1]; ++i )
+    for ( int i = rf_first_sided( v ); i < rf_record_count( v ); ++i )
     {
         for ( int c = 0; c < 3; ++c )
             v->ng[c][i] *= v->param[RF_PARAM_CHOICE][i];

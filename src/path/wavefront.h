@@ -67,6 +67,7 @@ typedef struct RfPathSettings
     RfOccluders* occluders;       // of the thread; NULL: none
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
     RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
+    bool frosted;    // camera rays find rough glass as RF_BSDF_FROSTED
     bool parts;      // keeps that of each part apart (light/light.h); else it is as in the tracer's frame
     bool grouped;    // keeps light groups apart: what has no part of its own counts in the base part of its group
     // with parts: the tracers of the frames, where light of one frame is looked up in each; NULL: it is not
@@ -250,7 +251,7 @@ void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uin
 // it. With RF_DIMENSION_OPPOSITE in `dimension` they are half an interval from those without it.
 void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
 
-// Draws the sides on which light arrives at TRANSLUCENT lanes, the paths' `vertex`-th (src/reuse/estimators.md, section 20): where
+// Draws the sides on which light arrives at TRANSLUCENT and FROSTED lanes, the paths' `vertex`-th (src/reuse/estimators.md, section 20): where
 // it is not the side that is seen, n and ng are turned over. After rf_face_rays ng is on the side of wo again.
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* vertices );
 void rf_face_rays( RfVertexLanes* vertices );

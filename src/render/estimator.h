@@ -57,6 +57,7 @@ typedef struct RfEstimatorGroup
     bool packed;          // instead all of them, as many tiles at once as fill a batch: the batch number `round` of these
     bool single;          // pixel by pixel, not in tiles
     bool first_hits_only; // no light: for add_own_shares and count_reuse alone
+    bool probe;           // it stands for groups of more frames: finds the hits that these have
     const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
     RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp_threshold.h); NULL: nobody
     const void* compiled;           // what `compile` made for groups of so many frames; NULL where only sizes are asked for

@@ -28,7 +28,7 @@ static void add_triangles( const RfScene* scene, RfTriangleList list, RfSceneTra
         traits->most_lights += rf_max_component( material->emission ) > 0.0f ? list.uses : 0;
         if ( i > 0 && number[i] == number[i - 1] )
             continue;
-        traits->kinds |= 1u << material->kind;
+        traits->kinds |= 1u << material->kind | (unsigned)rf_is_frosted( material ) << RF_BSDF_FROSTED;
         traits->blended = traits->blended || rf_is_blended( material );
         traits->panes = traits->panes || rf_may_be_pane( material );
         traits->smooth = traits->smooth || rf_may_be_smooth( material );

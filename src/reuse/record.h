@@ -79,6 +79,7 @@ typedef struct RfBatchShape
     int light_frames;       // in each of so many frames, where light may have parts by frame; else 1
     int tile_pixels;        // N, 1 without tiles
     RfBsdfParams params;    // of the glossy models in the scene (rf_glossy_params); 0: it has none
+    bool frosted;           // frames share hits on rough glass
     bool blended;           // visibility may be between 0 and 1
     bool panes;             // connections and, with chains, the cameras' rays may pass thin panes
     bool own_frame_light;   // misses may be lit: the scene has a sky or specular materials
@@ -105,8 +106,9 @@ enum
 {
     RF_VIEW_DIRECT,
     RF_VIEW_FIRST_MIRROR,
-    RF_VIEW_BASE = 254, // directly: the base below a smooth coat
-    RF_VIEW_CHAIN,      // by a chain that no other camera can follow
+    RF_VIEW_FROSTED = 253, // directly: rough glass, which is a vertex of chains to cameras that see it through panes
+    RF_VIEW_BASE,          // directly: the base below a smooth coat
+    RF_VIEW_CHAIN,         // by a chain that no other camera can follow
 };
 
 // The first event of a chain that is not to pass a pane straight.

@@ -35,6 +35,14 @@ static RfLayerSet find_layers( const RfEstimatorGroup* group, bool exact, bool c
     return layers;
 }
 
+// Whether frames share what is seen in rough glass. Not where light paths or passes ask for chains of glass.
+static bool shares_frosted( const RfEstimatorGroup* group, const RfLayerSet* layers, bool exact )
+{
+    return rf_calls_for( ( group->traits.kinds >> RF_BSDF_FROSTED & 1u ) != 0, RF_EFFECT_TRANSMISSION ) && exact &&
+           ( group->eye_count > 1 || group->probe ) && !layers->by_kind && !group->traits.without_caustics &&
+           !rf_wants_light_paths( &group->traits, group->settings );
+}
+
 static RfBatchShape find_shape( const RfEstimatorGroup* group, bool even )
 {
     const RfRenderSettings* settings = group->settings;
@@ -47,11 +55,15 @@ static RfBatchShape find_shape( const RfEstimatorGroup* group, bool even )
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !even && !caustics;
     // at the ends of a path, groups of more frames are shorter, and have the memory of those
     int frames = !group->traits.lamps_alone || !exact ? 1 : group->eye_count < RF_FRAMES_MOST ? group->eye_count : RF_FRAMES_MOST;
+    RfLayerSet layers = find_layers( group, exact, caustics, frames );
+    bool frosted = shares_frosted( group, &layers, exact );
+    unsigned frosted_kind = 1u << RF_BSDF_FROSTED;
     return ( RfBatchShape ){
         .eyes = group->eye_count,
         .light_samples = direct_samples( settings, tile_pixels, connections || even ),
         .tile_pixels = tile_pixels,
-        .params = rf_glossy_params( group->traits.kinds ),
+        .params = rf_glossy_params( frosted ? group->traits.kinds : group->traits.kinds & ~frosted_kind ),
+        .frosted = frosted,
         .blurred = rf_is_blurred( &group->traits ),
         .moments = rf_calls_for( group->traits.moves && group->traits.blur_steps > 0, RF_EFFECT_MOTION_BLUR ),
         .moving_lights = group->traits.moving_lights ? group->traits.most_lights : 0,
@@ -70,7 +82,7 @@ static RfBatchShape find_shape( const RfEstimatorGroup* group, bool even )
         .clamped = settings->clamp != 0.0,
         .light_frames = frames,
         .groups = exact ? group->traits.light_groups : 0,
-        .layers = find_layers( group, exact, caustics, frames ),
+        .layers = layers,
     };
 }
 

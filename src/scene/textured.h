@@ -149,6 +149,13 @@ static inline bool rf_roughness_varies( const RfMaterial* m )
     return t != NULL && ( t->refs[RF_TEXTURE_METALLIC_ROUGHNESS].texture >= 0 || t->reshapes || t->glossy );
 }
 
+// True of glass that frames share (RF_BSDF_FROSTED).
+static inline bool rf_is_frosted( const RfMaterial* m )
+{
+    return m->kind == RF_BSDF_GLASS && m->alpha >= RF_FROSTED_ALPHA && ( m->thin ? m->ior > 0.0f : m->ior >= RF_FROSTED_IOR ) &&
+           rf_max_component( m->tint ) > 0.0f && !m->changes && !rf_roughness_varies( m );
+}
+
 // True if the GGX lobe of a material may be narrower than those of roughness 0.1.
 static inline bool rf_may_be_smooth( const RfMaterial* m )
 {

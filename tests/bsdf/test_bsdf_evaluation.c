@@ -136,6 +136,11 @@ static Material random_material( RfBsdfKind kind, uint32_t stream, int i )
         m.shape = pick < 0.1f ? 0.0f : pick > 0.8f ? 1e6f : exp2f( 14.0f * shape );
     else
         m.shape = pick < 0.2f ? RF_MIN_ALPHA : pick > 0.95f ? 1.0f : rf_maxf( RF_MIN_ALPHA, shape * shape );
+    if ( kind == RF_BSDF_FROSTED )
+    {
+        m.shape = rf_maxf( m.shape, RF_FROSTED_ALPHA );
+        m.ior = ( uniform( stream, i, 93 ) < 0.5f ? -1.0f : 1.0f ) * ( RF_FROSTED_IOR + uniform( stream, i, 94 ) );
+    }
     return m;
 }
 

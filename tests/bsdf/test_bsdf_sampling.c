@@ -68,17 +68,27 @@ static Grid facet_grid( const Material* m, RfVec3 n, RfVec3 wo )
 static Grid make_grid( const Material* m, RfVec3 n, RfVec3 wo )
 {
     bool is_phong = m->kind == RF_BSDF_PHONG;
-    bool is_ggx = m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED || has_facets( m->kind );
+    bool is_frosted = m->kind == RF_BSDF_FROSTED, through = m->side == -1.0f, refracts = is_frosted && through && m->ior > 0.0f;
+    bool is_ggx = m->kind == RF_BSDF_GGX || m->kind == RF_BSDF_COATED || is_frosted || has_facets( m->kind );
     if ( has_facets( m->kind ) && rf_max_component( m->diffuse ) == 0.0f && m->clearcoat == 0.0f && m->sheen.x == 0.0f )
         return facet_grid( m, n, wo );
     double lobe = is_phong ? 2.0 / ( m->shape + 1.0 ) : is_ggx ? 2.0 * (double)m->shape * m->shape : 2.0;
-    double cos_o = m->side == -1.0f ? 1.0 : (double)rf_dot( n, wo ); // Lambert's lobe, on the other side
+    double cos_o = through ? 1.0 : (double)rf_dot( n, wo ); // Lambert's lobe, on the other side
+    double ior = refracts ? (double)m->ior : 1.0;
+    cos_o = is_frosted && through && !refracts ? -(double)rf_dot( n, wo ) : cos_o;
+    lobe *= refracts ? ( 1.0 - 1.0 / ior ) * ( 1.0 - 1.0 / ior ) : 1.0;
     RfVec3 across = rf_madd( wo, n, -rf_dot( n, wo ) );
     Grid grid = { .axis = n, .k = 1.0, .p = 1.0 };
-    grid.about_normal = lobe > 0.015 || cos_o < 0.1;
+    grid.about_normal = ( lobe > 0.015 && !refracts ) || cos_o < 0.1;
     if ( !grid.about_normal )
     {
+        double cosine = fmax( -(double)rf_dot( n, wo ), 0.0 ), sine = sqrt( 1.0 - cosine * cosine ) / ior;
         grid.axis = rf_normalize( rf_sub( rf_scale( n, 2.0f * rf_dot( n, wo ) ), wo ) );
+        if ( is_frosted && through )
+        {
+            across = sine > 0.0 ? rf_normalize( across ) : across;
+            grid.axis = rf_normalize( rf_madd( rf_scale( across, (float)-sine ), n, (float)sqrt( 1.0 - sine * sine ) ) );
+        }
         grid.k = log2( 2.0 / lobe );
         rf_basis( grid.axis, &grid.t, &grid.b );
         return grid;
@@ -539,6 +549,23 @@ TEST( test_translucent_keeps_energy )
     }
     print_message( "translucent: albedo %.4f, without a coat %.4f at least\n", most, least );
     assert_true( most <= 1.005 && least > 0.999 );
+}
+
+TEST( test_frosted_samples_follow_density )
+{
+    Material m[8];
+    for ( int i = 0; i < 8; ++i )
+    {
+        m[i] = ( Material ){ .kind = RF_BSDF_FROSTED,
+                             .through = { 0.9f, 0.7f, 0.5f },
+                             .shape = i % 4 < 2 ? 0.06f : 0.4f,
+                             .ior = i < 4 ? 1.5f : -1.5f, // a body or a wall
+                             .side = i % 2 == 0 ? 1.0f : -1.0f };
+    }
+    m[0].ior = m[1].ior = RF_FROSTED_IOR;
+    m[2].diffuse = m[6].diffuse = rf_vec3( 0.3f, 0.2f, 0.1f ); // over a base
+    m[2].coat_f0 = m[6].coat_f0 = 0.5f;
+    check_sampling( m, 8 );
 }
 
 // A surface of GGX of this roughness: a white metal or plastic.

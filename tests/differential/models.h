@@ -6,12 +6,6 @@
 #include "differential/reference.h"
 #include "support/bsdf_lanes.h"
 
-enum
-{
-    TINT = PARAM + RF_PARAM_TINT,
-    IOR = PARAM + RF_PARAM_IOR,
-};
-
 // A grey surface, and the eye that looks at it.
 typedef struct Surface
 {

@@ -71,6 +71,7 @@ TEST( test_every_trait_has_its_row )
             [RF_BSDF_IRIDESCENT] = RF_EFFECT_IRIDESCENCE,
             [RF_BSDF_LAYERED] = RF_EFFECT_GGX,
             [RF_BSDF_TRANSLUCENT] = RF_EFFECT_DIFFUSE_TRANSMISSION,
+            [RF_BSDF_FROSTED] = RF_EFFECT_TRANSMISSION,
         };
         for ( int kind = RF_BSDF_PHONG; kind < RF_BSDF_GLASS; ++kind )
             assert_true( rows[of_kind[kind]].on || ( traits.kinds >> kind & 1u ) == 0 );

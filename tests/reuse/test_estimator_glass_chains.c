@@ -56,7 +56,11 @@ TEST( test_light_that_comes_by_chains_is_unbiased )
     check_chains( &c, make_glass_in_the_open() );
 }
 
-TEST( test_rough_glass_is_unbiased ) { check_room( "rough slab", ROUGH_SLAB, 6 ); }
+TEST( test_rough_glass_is_unbiased )
+{
+    check_room( "rough slab", ROUGH_SLAB, 6 );
+    check_room( "frosted sheets", FROSTED_SHEETS, 5 );
+}
 
 TEST( test_eyes_within_glass_are_unbiased ) { check_room( "tank", GLASS_TANK, 6 ); }
 

@@ -32,6 +32,8 @@ enum
     FILM_IOR = PARAM + RF_PARAM_FILM_IOR,
     FILM_THICKNESS = PARAM + RF_PARAM_FILM_THICKNESS,
     THROUGH = PARAM + RF_PARAM_THROUGH,
+    TINT = PARAM + RF_PARAM_TINT,
+    IOR = PARAM + RF_PARAM_IOR,
     CHOICE = PARAM + RF_PARAM_CHOICE,
     WO = PARAM + RF_PARAM_COUNT,
     WI = WO + 3,
@@ -63,6 +65,7 @@ typedef struct Material
     float anisotropy, grain; // direction of the grain: turns from the first vector of rf_basis
     float film, film_ior, film_thickness;
     RfVec3 through;
+    float ior;  // of FROSTED, whose tint is `through`
     float side; // that was drawn: −1, or any other for that of the eye
 } Material;
 
@@ -102,9 +105,10 @@ static inline void put_material( int i, const Material* m )
     s_lanes[FILM][i] = m->film;
     s_lanes[FILM_IOR][i] = rf_maxf( m->film_ior, 1.0f );
     s_lanes[FILM_THICKNESS][i] = m->film_thickness;
-    if ( m->kind != RF_BSDF_TRANSLUCENT ) // which has a place of glass
+    if ( m->kind != RF_BSDF_TRANSLUCENT && m->kind != RF_BSDF_FROSTED ) // which have places of glass
         return;
     put( THROUGH, i, m->through );
+    s_lanes[IOR][i] = m->ior;
     s_lanes[CHOICE][i] = m->side == -1.0f ? -1.0f : 1.0f;
 }
 

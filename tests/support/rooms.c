@@ -292,6 +292,17 @@ static void add_panes( SceneBuilder* b )
     add_upright( b, add_material( b, make_pane( 0.5f, 0.7f, 0.9f ) ), -0.5f, 0.5f, 0.9f, 1.9f, -0.2f );
 }
 
+static void add_frosted( SceneBuilder* b )
+{
+    RfMaterial plain = make_glass( 1.5f, 0.15f, true ), layered = make_layered();
+    layered.alpha = 0.3f;
+    layered.thin = true;
+    add_wall_mirror( b, add_material( b, make_mirror( 0.9f ) ) );
+    add_upright( b, add_material( b, make_pane( 0.9f, 0.6f, 0.6f ) ), -0.9f, 0.5f, 0.0f, 1.7f, 0.5f );
+    add_upright( b, add_material( b, plain ), -0.7f, 0.6f, 0.6f, 1.8f, 0.2f );
+    add_upright( b, add_material( b, layered ), 0.65f, 0.4f, 1.3f, 1.5f, 0.3f );
+}
+
 static void add_tank( SceneBuilder* b )
 {
     RfMaterial water = make_glass( 1.33f, 0.0f, false );
@@ -338,6 +349,7 @@ static void add_glass( SceneBuilder* b, MirrorRoom kind )
         case GLASS_SLAB: add_slab( b, make_glass( 1.5f, 0.0f, false ) ); break;
         case ABSORBING_SLAB: add_slab( b, make_absorbing( 0.0f ) ); break;
         case ROUGH_SLAB: add_slab( b, make_absorbing( 0.25f ) ); break;
+        case FROSTED_SHEETS: add_frosted( b ); break;
         case LAYERED_SLAB: add_slab( b, make_layered() ); break;
         case LAMP_IN_GLASS: add_lamp_in_glass( b ); break;
         case PANES_IN_A_ROW: add_panes( b ); break;

@@ -29,6 +29,7 @@ typedef enum MirrorRoom
     GLASS_SLAB,
     ABSORBING_SLAB,
     ROUGH_SLAB,
+    FROSTED_SHEETS,     // thin, in part behind a clear pane, and in a mirror
     LAYERED_SLAB,       // glass over a diffuse base that shines a little
     PANES_IN_A_ROW,     // three tinted thin walls
     LAMP_IN_GLASS,      // a lamp within an absorbing ball

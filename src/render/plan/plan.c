@@ -94,6 +94,7 @@ static RfResult begin_probe( const RfShot* shot, const RfRenderSettings* setting
     probe->group =
         rf_size_group( scene, rf_scene_traits( scene, eyes, eye_count, &probe->settings ), eyes, plan.eyes, &probe->settings );
     probe->group.tracer = shot->tracer;
+    probe->group.probe = plan.eyes > 1;
     probe->group.max_depth = rf_tracer_lights( shot->tracer )->count > 0 ? settings->max_depth : 1;
     RfResult result =
         rf_create_worlds( shot, rf_worlds_held( scene, eye_count, plan.eyes, false, false ), false, &probe->worlds, error );

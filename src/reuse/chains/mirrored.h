@@ -17,11 +17,14 @@ typedef struct RfProjectedLanes
 
 static inline bool rf_is_mirrored( uint8_t view )
 {
-    return rf_calls_for( view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_BASE, RF_EFFECT_FLAT_MIRRORS );
+    return rf_calls_for( view >= RF_VIEW_FIRST_MIRROR && view < RF_VIEW_FROSTED, RF_EFFECT_FLAT_MIRRORS );
 }
 
 // True if the camera's straight ray found the hit.
-static inline bool rf_is_straight( uint8_t view ) { return view == RF_VIEW_DIRECT || view == RF_VIEW_BASE; }
+static inline bool rf_is_straight( uint8_t view )
+{
+    return view == RF_VIEW_DIRECT || view == RF_VIEW_FROSTED || view == RF_VIEW_BASE;
+}
 
 // Projects the mirrored hits through the image of the camera: pixel and density J of the image times the probability
 // that the mirror reflects, 0 where the image does not face the hit. Occluders and the mirror's outline do not count.

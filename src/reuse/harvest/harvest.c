@@ -22,6 +22,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .shape = &plan->shape,
         .path = { .tracer = group->tracer,
                   .max_depth = group->max_depth,
+                  .frosted = plan->shape.frosted,
                   .light_samples = settings->light_samples,
                   .light_sampling = settings->light_sampling },
         .tracers = group->tracers,

@@ -3,11 +3,11 @@
 
 #include <string.h>
 
-// Turns ng of translucent hits to the cameras, which are on the side that is seen, wherever light arrives
+// Turns ng of hits that have drawn a side to the cameras, which are on the side that is seen, wherever light arrives
 // (src/reuse/estimators.md, section 20).
 static void face_cameras( const RfVertexLanes* v, RfHitBatch* batch )
 {
-    for ( int i = v->first[RF_BSDF_TRANSLUCENT]; i < v->first[RF_BSDF_TRANSLUCENT + 1]; ++i )
+    for ( int i = rf_first_sided( v ); i < rf_record_count( v ); ++i )
     {
         for ( int c = 0; c < 3; ++c )
             batch->ng[c][i] *= v->param[RF_PARAM_CHOICE][i];
@@ -49,6 +49,8 @@ static void copy_views( const RfHarvestScratch* scratch, RfHitBatch* batch )
         return;
     for ( int i = 0; i < batch->count; ++i )
         batch->view[i] = !rf_follows_chains( scratch ) ? RF_VIEW_DIRECT : scratch->chains->view[scratch->hits->slot[i]];
+    for ( int i = batch->first[RF_BSDF_FROSTED]; i < batch->first[RF_BSDF_FROSTED + 1]; ++i )
+        batch->view[i] = RF_VIEW_FROSTED;
 }
 
 // Lists the own-frame samples behind the misses: specular first hits, and chains that end without a non-specular vertex.
