@@ -276,6 +276,12 @@ static bool leaves_to_connections( const RfPathSettings* settings, const RfWavef
     return cos_x > RF_MIN_COS && cos_o > RF_MIN_COS;
 }
 
+// Light that no ray finds does not come through glass, rough or smooth: chains of its own frame have none of it either.
+static bool is_through_glass( const RfVertexLanes* v, int i )
+{
+    return i >= v->first[RF_BSDF_FROSTED] && i < v->first[RF_BSDF_FROSTED + 1] && v->param[RF_PARAM_CHOICE][i] < 0.0f;
+}
+
 // What connect() leaves of lane i where its light is punctual or the environment.
 static void put_sample( const RfPathSettings* settings, const RfWavefront* keys, const RfVertexLanes* v, int i,
                         const NonAreaSample* s, LightPoints* points, RfLightLanes* out, RfLaneScratch* scratch )
@@ -283,7 +289,7 @@ static void put_sample( const RfPathSettings* settings, const RfWavefront* keys,
     float cos_x = rf_dot( RF_GET3( v->n, i ), s->wi );
     bool is_finite = rf_max_component( s->radiance ) <= MAX_PUNCTUAL_RADIANCE || RF_FAULT( lamp_infinite );
     if ( !( cos_x > 0.0f && rf_dot( RF_GET3( v->ng, i ), s->wi ) > 0.0f && s->pdf_solid_angle > 0.0f && is_finite ) ||
-         ( !s->sky && leaves_to_connections( settings, keys, v, i, cos_x ) ) )
+         ( !s->sky && ( is_through_glass( v, i ) || leaves_to_connections( settings, keys, v, i, cos_x ) ) ) )
         return;
     float wi[3] = { s->wi.x, s->wi.y, s->wi.z }, radiance[3] = { s->radiance.x, s->radiance.y, s->radiance.z };
     for ( int c = 0; c < 3; ++c )
