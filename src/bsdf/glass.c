@@ -456,7 +456,7 @@ typedef struct Frosted
     bool through;
 } Frosted;
 
-// A facet at 60°, which reflects about as much as all together do; at least a fifth, as lamps are seen in it.
+// A facet at 60°, which reflects about as much as all together do; at least a tenth, as lamps are seen in it.
 #define FROSTED_COSINE 0.5f
 #define LEAST_REFLECTION 0.1f
 

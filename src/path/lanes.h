@@ -62,6 +62,9 @@ static inline int rf_record_count( const RfVertexLanes* v ) { return v->first[RF
 // From this lane on records have drawn the side on which light arrives (rf_draw_sides).
 static inline int rf_first_sided( const RfVertexLanes* v ) { return v->first[RF_BSDF_TRANSLUCENT]; }
 
+// 1 where the side that is seen was drawn, −1 where the other was, which n is on then. Of a lane from there on.
+static inline float rf_drawn_side( const RfVertexLanes* v, int i ) { return v->param[RF_PARAM_CHOICE][i] < 0.0f ? -1.0f : 1.0f; }
+
 // The model of any lane.
 static inline RfBsdfKind rf_kind_of_lane( const RfVertexLanes* v, int i )
 {

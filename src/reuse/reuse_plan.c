@@ -35,11 +35,11 @@ static RfLayerSet find_layers( const RfEstimatorGroup* group, bool exact, bool c
     return layers;
 }
 
-// Whether frames share what is seen in rough glass. Not where light paths or passes ask for chains of glass.
-static bool shares_frosted( const RfEstimatorGroup* group, const RfLayerSet* layers, bool exact )
+// Whether frames share what is seen in rough glass. Light paths and caustics that are left out have chains of it.
+static bool shares_frosted( const RfEstimatorGroup* group, bool exact )
 {
     return rf_calls_for( ( group->traits.kinds >> RF_BSDF_FROSTED & 1u ) != 0, RF_EFFECT_TRANSMISSION ) && exact &&
-           ( group->eye_count > 1 || group->probe ) && !layers->by_kind && !group->traits.without_caustics &&
+           ( group->eye_count > 1 || group->probe ) && !group->traits.without_caustics &&
            !rf_wants_light_paths( &group->traits, group->settings );
 }
 
@@ -55,8 +55,7 @@ static RfBatchShape find_shape( const RfEstimatorGroup* group, bool even )
     bool samples = chains && group->traits.chain_triangles > 0 && !connections && !even && !caustics;
     // at the ends of a path, groups of more frames are shorter, and have the memory of those
     int frames = !group->traits.lamps_alone || !exact ? 1 : group->eye_count < RF_FRAMES_MOST ? group->eye_count : RF_FRAMES_MOST;
-    RfLayerSet layers = find_layers( group, exact, caustics, frames );
-    bool frosted = shares_frosted( group, &layers, exact );
+    bool frosted = shares_frosted( group, exact );
     unsigned frosted_kind = 1u << RF_BSDF_FROSTED;
     return ( RfBatchShape ){
         .eyes = group->eye_count,
@@ -82,7 +81,7 @@ static RfBatchShape find_shape( const RfEstimatorGroup* group, bool even )
         .clamped = settings->clamp != 0.0,
         .light_frames = frames,
         .groups = exact ? group->traits.light_groups : 0,
-        .layers = layers,
+        .layers = find_layers( group, exact, caustics, frames ),
     };
 }
 

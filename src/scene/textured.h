@@ -153,7 +153,7 @@ static inline bool rf_roughness_varies( const RfMaterial* m )
 static inline bool rf_is_frosted( const RfMaterial* m )
 {
     return m->kind == RF_BSDF_GLASS && m->alpha >= RF_FROSTED_ALPHA && ( m->thin ? m->ior > 0.0f : m->ior >= RF_FROSTED_IOR ) &&
-           rf_max_component( m->tint ) > 0.0f && !m->changes && !rf_roughness_varies( m );
+           rf_max_component( m->tint ) > 0.0f && !rf_emits( m ) && !m->changes && !rf_roughness_varies( m );
 }
 
 // True if the GGX lobe of a material may be narrower than those of roughness 0.1.

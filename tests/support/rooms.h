@@ -29,7 +29,6 @@ typedef enum MirrorRoom
     GLASS_SLAB,
     ABSORBING_SLAB,
     ROUGH_SLAB,
-    FROSTED_SHEETS,     // thin, in part behind a clear pane, and in a mirror
     LAYERED_SLAB,       // glass over a diffuse base that shines a little
     PANES_IN_A_ROW,     // three tinted thin walls
     LAMP_IN_GLASS,      // a lamp within an absorbing ball
@@ -39,6 +38,7 @@ typedef enum MirrorRoom
     SHARP_PLASTIC,      // roughness 0.05
     CLEAR_COAT,         // the smoothest clear coat
     MIRROR_BEHIND_BULB, // of thin glass, which the mirror shows too; both show a lamp behind the eyes
+    FROSTED_SHEETS,     // thin, in part behind a clear pane, and in a mirror
     MIRROR_ROOM_COUNT
 } MirrorRoom;
 

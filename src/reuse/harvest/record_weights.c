@@ -570,6 +570,8 @@ static void begin_layers( const RfHarvest* harvest, RfHitBatch* batch, const RfH
     memset( batch->light->radiance + 4 * ( listed - batch->glint_count ), 0, 4 * (size_t)batch->glint_count * sizeof( float ) );
     for ( int i = 0; i < batch->count && batch->event != NULL; ++i )
         batch->event[i] = rf_follows_chains( scratch ) ? scratch->chains->event[scratch->hits->slot[i]] : (uint8_t)RF_EVENT_NONE;
+    for ( int i = batch->first[RF_BSDF_FROSTED]; i < batch->first[RF_BSDF_FROSTED + 1] && batch->event != NULL; ++i )
+        batch->event[i] = rf_drawn_side( scratch->hits, i ) < 0.0f ? RF_EVENT_TRANSMISSION : RF_EVENT_REFLECTION;
 }
 
 // ---- The clamp
