@@ -52,7 +52,7 @@ static inline float rf_through_probability( RfVec3 through, RfVec3 diffuse, RfVe
     return there > 0.0f ? there / ( there + here ) : 0.0f;
 }
 
-// The same of a lane of FROSTED: the share of what it transmits, at most four fifths.
+// The same of a lane of FROSTED: the share of what it transmits, at most 0.9.
 float rf_frosted_through_probability( const RfBsdfLanes* lanes, int lane );
 
 // RF_PARAM_CHOICE of SPECTRAL: how much of the largest channel each has in the light of a path, in steps of 1/255, upwards, so that

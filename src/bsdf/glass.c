@@ -321,6 +321,14 @@ RF_KERNEL GlassSample sample_transmission( const Glass* g, RfEyeLane eye, RfVec3
 // other lobes have RF_DELTA_PDF: smooth ones, and transmission, which only BSDF
 // sampling finds.
 
+// D for a facet, without the cancellation of 1 − cos².
+RF_KERNEL float facet_density( const Glass* g, RfVec3 h )
+{
+    RfVec3 cross = rf_cross( g->n, h );
+    float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha, q = a2 * along * along + rf_dot( cross, cross );
+    return along > 0.0f ? a2 * RF_INV_PI / ( q * q ) : 0.0f;
+}
+
 // The lobes that are no deltas: the base, and rough reflection.
 RF_KERNEL RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
 {
@@ -338,11 +346,7 @@ RF_KERNEL RfScattering evaluate( const Glass* g, RfEyeLane eye, RfVec3 wi )
     if ( g->alpha == 0.0f )
         return s;
     RfVec3 sum = rf_add( eye.wo, wi ), h = rf_normalize( sum );
-    RfVec3 cross = rf_cross( g->n, h );
-    float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha;
-    float q = a2 * along * along + rf_dot( cross, cross );
-    float d = a2 * RF_INV_PI / ( q * q );
-    float so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
+    float d = facet_density( g, h ), so = smith( g->alpha, cos_o ), si = smith( g->alpha, cos_i );
     RfVec3 f = reflectance( g, 0.5f * rf_length( sum ) ); // wo·h, of which the product keeps two digits at grazing angles
     s.f = rf_add( s.f, rf_scale( f, d * 2.0f / ( so + si ) / ( 4.0f * cos_o * cos_i ) ) );
     s.pdf_solid_angle += ( 1.0f - probability ) * reflection_probability( g, f ) * d * 2.0f / ( 1.0f + so ) / ( 4.0f * cos_o );
@@ -482,14 +486,6 @@ float rf_frosted_through_probability( const RfBsdfLanes* lanes, int lane )
 {
     Frosted f = frosted_of( lanes, lane );
     return f.through ? f.side : 1.0f - f.side;
-}
-
-// D for a facet, without the cancellation of 1 − cos².
-RF_KERNEL float facet_density( const Glass* g, RfVec3 h )
-{
-    RfVec3 cross = rf_cross( g->n, h );
-    float along = rf_dot( g->n, h ), a2 = g->alpha * g->alpha, q = a2 * along * along + rf_dot( cross, cross );
-    return along > 0.0f ? a2 * RF_INV_PI / ( q * q ) : 0.0f;
 }
 
 RF_KERNEL RfScattering evaluate_through( const Frosted* at, RfEyeLane eye, RfVec3 wi )

@@ -276,7 +276,7 @@ static bool leaves_to_connections( const RfPathSettings* settings, const RfWavef
     return cos_x > RF_MIN_COS && cos_o > RF_MIN_COS;
 }
 
-// Light that no ray finds does not come through glass, rough or smooth: chains of its own frame have none of it either.
+// Lamps that no ray can hit do not shine through glass, rough or smooth: chains, which only follow rays, find none of their light.
 static bool is_through_glass( const RfVertexLanes* v, int i )
 {
     return i >= v->first[RF_BSDF_FROSTED] && i < v->first[RF_BSDF_FROSTED + 1] && v->param[RF_PARAM_CHOICE][i] < 0.0f;

@@ -251,8 +251,8 @@ void rf_draw_lanes( const RfWavefront* keys, int count, const int32_t* slot, uin
 // it. With RF_DIMENSION_OPPOSITE in `dimension` they are half an interval from those without it.
 void rf_draw_light_numbers( const RfWavefront* keys, int count, const int32_t* slot, uint32_t dimension, RfLaneScratch* scratch );
 
-// Draws the sides on which light arrives at TRANSLUCENT and FROSTED lanes, the paths' `vertex`-th (src/reuse/estimators.md, section 20): where
-// it is not the side that is seen, n and ng are turned over. After rf_face_rays ng is on the side of wo again.
+// Draws the sides on which light arrives at TRANSLUCENT and FROSTED lanes, the paths' `vertex`-th (src/reuse/estimators.md,
+// section 20): where it is not the side that is seen, n and ng are turned over. After rf_face_rays ng is on the side of wo again.
 void rf_draw_sides( const RfWavefront* keys, int vertex, RfVertexLanes* vertices );
 void rf_face_rays( RfVertexLanes* vertices );
 

@@ -285,22 +285,17 @@ static void add_lamp_in_glass( SceneBuilder* b )
              false );
 }
 
-static void add_panes( SceneBuilder* b )
+// With alpha the second and third are rough, the third over a base, and a mirror shows them.
+static void add_panes( SceneBuilder* b, float alpha )
 {
+    RfMaterial second = make_pane( 0.9f, 0.6f, 0.6f ), third = make_pane( 0.5f, 0.7f, 0.9f );
+    second.alpha = third.alpha = alpha;
+    third.diffuse = rf_scale( rf_vec3( 2.0f, 1.4f, 0.6f ), alpha );
+    if ( alpha > 0.0f )
+        add_wall_mirror( b, add_material( b, make_mirror( 0.9f ) ) );
     add_upright( b, add_material( b, make_pane( 1.0f, 1.0f, 1.0f ) ), -0.9f, 0.5f, 0.5f, 1.7f, 0.5f );
-    add_upright( b, add_material( b, make_pane( 0.9f, 0.6f, 0.6f ) ), -0.7f, 0.6f, 0.7f, 1.8f, 0.2f );
-    add_upright( b, add_material( b, make_pane( 0.5f, 0.7f, 0.9f ) ), -0.5f, 0.5f, 0.9f, 1.9f, -0.2f );
-}
-
-static void add_frosted( SceneBuilder* b )
-{
-    RfMaterial plain = make_glass( 1.5f, 0.15f, true ), layered = make_layered();
-    layered.alpha = 0.3f;
-    layered.thin = true;
-    add_wall_mirror( b, add_material( b, make_mirror( 0.9f ) ) );
-    add_upright( b, add_material( b, make_pane( 0.9f, 0.6f, 0.6f ) ), -0.9f, 0.5f, 0.0f, 1.7f, 0.5f );
-    add_upright( b, add_material( b, plain ), -0.7f, 0.6f, 0.6f, 1.8f, 0.2f );
-    add_upright( b, add_material( b, layered ), 0.65f, 0.4f, 1.3f, 1.5f, 0.3f );
+    add_upright( b, add_material( b, second ), -0.7f, 0.6f, 0.7f, 1.8f, 0.2f );
+    add_upright( b, add_material( b, third ), -0.5f, 0.5f, 0.9f, 1.9f, -0.2f );
 }
 
 static void add_tank( SceneBuilder* b )
@@ -349,10 +344,10 @@ static void add_glass( SceneBuilder* b, MirrorRoom kind )
         case GLASS_SLAB: add_slab( b, make_glass( 1.5f, 0.0f, false ) ); break;
         case ABSORBING_SLAB: add_slab( b, make_absorbing( 0.0f ) ); break;
         case ROUGH_SLAB: add_slab( b, make_absorbing( 0.25f ) ); break;
-        case FROSTED_SHEETS: add_frosted( b ); break;
+        case FROSTED_SHEETS: add_panes( b, 0.15f ); break;
         case LAYERED_SLAB: add_slab( b, make_layered() ); break;
         case LAMP_IN_GLASS: add_lamp_in_glass( b ); break;
-        case PANES_IN_A_ROW: add_panes( b ); break;
+        case PANES_IN_A_ROW: add_panes( b, 0.0f ); break;
         case GLASS_TANK: add_tank( b ); break;
         case SHARP_METAL: add_polished( b, make_metal( 0.9f, 0.05f ) ); break;
         case SMOOTH_PLASTIC:

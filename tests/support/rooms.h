@@ -38,7 +38,7 @@ typedef enum MirrorRoom
     SHARP_PLASTIC,      // roughness 0.05
     CLEAR_COAT,         // the smoothest clear coat
     MIRROR_BEHIND_BULB, // of thin glass, which the mirror shows too; both show a lamp behind the eyes
-    FROSTED_SHEETS,     // thin, in part behind a clear pane, and in a mirror
+    FROSTED_SHEETS,     // panes in a row, two of them rough, and a mirror
     MIRROR_ROOM_COUNT
 } MirrorRoom;
 
