@@ -232,6 +232,7 @@ void rf_frame_fingerprint( const RfOutput* output, int frame, char text[RF_FINGE
     add_setting( &hash, s->noise > 0.0 || s->time > 0.0 || s->adaptive != RF_ADAPTIVE_OFF, "noise %.17g time %.17g adaptive %d",
                  s->noise, s->time, adaptive[s->adaptive] );
     add_setting( &hash, s->flicker > 0.0, "flicker %.17g", s->flicker );
+    add_setting( &hash, s->guide != RF_GUIDE_AUTO, "guide %s", rf_guiding_name( s->guide ) );
     add_setting( &hash, s->clamp != 0.0, "clamp %.17g", s->clamp );
     add_setting( &hash, s->clamp_chains > 0.0, "clamp of chains %.17g", s->clamp_chains );
     add_setting( &hash, s->filter != RF_FILTER_BOX || s->filter_width != 1.0, "filter %s %.17g", rf_filter_name( s->filter ),
@@ -360,6 +361,8 @@ static void put_settings( Attributes* a, const RfRenderSettings* s )
     }
     if ( s->adaptive != RF_ADAPTIVE_OFF )
         put_text( a, RF_KEY_ADAPTIVE, s->adaptive == RF_ADAPTIVE_ON ? "yes" : rf_adaptive_name( s->adaptive ) );
+    if ( s->guide != RF_GUIDE_AUTO )
+        put_text( a, RF_KEY_GUIDE, rf_guiding_name( s->guide ) );
     if ( s->clamp == RF_CLAMP_AUTO )
         put_text( a, RF_KEY_CLAMP, "auto" );
     else if ( s->clamp != 0.0 )

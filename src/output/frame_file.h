@@ -40,6 +40,7 @@
     X( FILTER_WIDTH, "reframe/filter-width", "1" )                                                                               \
     X( ADAPTIVE, "reframe/adaptive", "off" )                                                                                     \
     X( NOISE, "reframe/noise", "0" )                                                                                             \
+    X( GUIDE, "reframe/guide", "auto" )                                                                                          \
     X( CLAMP, "reframe/clamp", "off" )                                                                                           \
     X( CLAMP_CHAINS, "reframe/clamp-chains", "none" )                                                                            \
     X( CLAMP_THRESHOLD, "reframe/clamp-threshold", NULL )                                                                        \

@@ -32,6 +32,7 @@ const char* const rf_reconstruction_words[] = {
     [RF_RECONSTRUCTION_NONE] = "none",
     NULL,
 };
+const char* const rf_guiding_words[] = { [RF_GUIDE_AUTO] = "auto", [RF_GUIDE_ON] = "on", [RF_GUIDE_OFF] = "off", NULL };
 const char* const rf_adaptive_words[] = { [RF_ADAPTIVE_AUTO] = "auto", [RF_ADAPTIVE_ON] = "on", [RF_ADAPTIVE_OFF] = "off", NULL };
 const char* const rf_pass_names_words[] = {
     [RF_NAMES_REFRAME] = "reframe",
@@ -60,6 +61,7 @@ const char* rf_reconstruction_name( RfReconstruction reconstruction ) { return r
 
 const char* rf_filter_name( RfFilter filter ) { return rf_filter_words[filter]; }
 
+const char* rf_guiding_name( RfGuiding guiding ) { return rf_guiding_words[guiding]; }
 const char* rf_adaptive_name( RfAdaptive adaptive ) { return rf_adaptive_words[adaptive]; }
 
 // A pass that Blender or Nuke has under a name of its own. NULL: not that program.

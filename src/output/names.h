@@ -8,6 +8,7 @@
 extern const char* const rf_weights_words[];
 extern const char* const rf_normalize_words[];
 extern const char* const rf_light_paths_words[];
+extern const char* const rf_guiding_words[];
 extern const char* const rf_kernel_normalization_words[];
 extern const char* const rf_reconstruction_words[];
 extern const char* const rf_adaptive_words[];

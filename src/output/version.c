@@ -3,7 +3,7 @@
 
 // Whoever changes pictures in more than rounding, or what they cost, raises it: figures of a lower one are out of date
 // (tests/scripts/check-citations).
-#define PICTURES 5
+#define PICTURES 6
 
 const char* rf_version( void ) { return REFRAME_VERSION; }
 

@@ -44,6 +44,9 @@ void rf_copy_vertices( const RfVertexLanes* from, int first, int count, RfBsdfPa
     COPY( material );
     COPY( ray );
     COPY( slot );
+    to->guide = from->guide;
+    if ( from->guide != NULL )
+        COPY( table );
 }
 
 // The coordinate of a lattice that a dimension has, or −1: its numbers are random.

@@ -9,6 +9,7 @@
 #include "base/random.h"
 #include "bsdf/bsdf.h"
 #include "light/light.h"
+#include "path/guide.h"
 #include "trace/trace.h"
 
 // A patch of 32 × 32 paths, plus a cache line: arrays at a distance of a power of
@@ -44,6 +45,8 @@ typedef struct RfVertexLanes
     float emission[3][RF_LANES];           // towards wo
     float light_pdf_solid_angle[RF_LANES]; // of a light sample at the ray's origin for this point, given its
                                            // light; 0: light sampling cannot find it
+    const RfGuide* guide;                  // that guides paths from here on; NULL: nothing does
+    int32_t table[RF_LANES];               // with a guide, of lanes that become records: theirs (rf_guide_table)
     int32_t ray[RF_LANES];                 // lane of the ray that found it
     int32_t material[RF_LANES];            // index into the scene's
     int32_t slot[RF_LANES];
@@ -123,6 +126,7 @@ typedef struct RfLaneScratch
     float wi[3][RF_LANES];
     float f[3][RF_LANES]; // after scattering, for specular lanes: the weight f |cos| / density
     float pdf[RF_LANES];
+    float pdf_bsdf[RF_LANES]; // after scattering with a guide, for lanes that become records: of the BSDF alone
 } RfLaneScratch;
 
 // The dimensions of a path's random numbers (base/random.h): the film first, then

@@ -314,10 +314,24 @@ static void look_up_textures( const RfScene* scene, const Source* from, RfBsdfKi
         look_up_block( scene, from, v, kind, first, end - first < BLOCK ? end : first + BLOCK );
 }
 
-// Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
-static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, bool seen, bool frosted, RfVertexLanes* vertices,
-                           RfLaneScratch* scratch )
+// The guide's tables. Surfaces that light is drawn to reach on a side have none.
+static void find_tables( const RfGuide* guide, RfVertexLanes* v )
 {
+    v->guide = guide;
+    if ( guide == NULL )
+        return;
+    int guided = rf_first_sided( v );
+    const float *p[3] = { v->p[0], v->p[1], v->p[2] }, *n[3] = { v->n[0], v->n[1], v->n[2] };
+    rf_find_guide_tables( guide, guided, p, n, v->table );
+    for ( int i = guided; i < rf_record_count( v ); ++i )
+        v->table[i] = RF_NOT_GUIDED;
+}
+
+// Fills the vertices of the rays' hits, which are in the scratch, as rf_find_vertices does.
+static void fill_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool seen, bool frosted,
+                           RfVertexLanes* vertices, RfLaneScratch* scratch )
+{
+    const RfTracer* tracer = settings->tracer;
     sort_by_kind( tracer, rays, frosted, scratch, vertices );
     const RfMaterial* materials = rf_tracer_scene( tracer )->materials;
     Source from = { .tracer = tracer,
@@ -346,6 +360,7 @@ static void fill_vertices( const RfTracer* tracer, const RfRayLanes* rays, bool 
         if ( has_tangents( (RfBsdfKind)kind ) )
             fill_tangents( rf_tracer_scene( tracer ), &from, materials, vertices->material + first, first, end, vertices );
     }
+    find_tables( settings->guide, vertices );
 }
 
 void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, bool coherent, RfVertexLanes* vertices,
@@ -354,7 +369,7 @@ void rf_find_vertices( const RfPathSettings* settings, const RfRayLanes* rays, b
     const float* o[3] = { rays->o[0], rays->o[1], rays->o[2] };
     const float* d[3] = { rays->d[0], rays->d[1], rays->d[2] };
     rf_trace_nearest( settings->tracer, rays->count, o, d, coherent, scratch->triangle, scratch->u, scratch->v );
-    fill_vertices( settings->tracer, rays, coherent, coherent && settings->frosted, vertices, scratch );
+    fill_vertices( settings, rays, coherent, coherent && settings->frosted, vertices, scratch );
     for ( int i = vertices->first[RF_BSDF_FROSTED]; i < vertices->first[RF_BSDF_FROSTED + 1]; ++i )
         vertices->param[RF_PARAM_CHOICE][i] = 1.0f;
 }
@@ -420,7 +435,7 @@ const float* rf_find_vertices_past_panes( const RfPathSettings* settings, RfRayL
     }
     trace_to_panes( settings, rays, first_past, scratch );
     trace_past_panes( settings, rays, first_past, scratch );
-    fill_vertices( settings->tracer, rays, false, false, vertices, scratch );
+    fill_vertices( settings, rays, false, false, vertices, scratch );
     float* tint[3] = { vertices->param[RF_PARAM_TINT], vertices->param[RF_PARAM_TINT + 1], vertices->param[RF_PARAM_TINT + 2] };
     stop_at_panes( vertices, rays, first_past, tint );
     return scratch->visible;

@@ -2,6 +2,7 @@
 #include "path/wavefront.h"
 
 #include "base/fault.h"
+#include "path/guide_learner.h"
 #include "path/roulette.h"
 
 #include <string.h>
@@ -263,8 +264,9 @@ static void leave_to_connections( const RfPathSettings* settings, const RfWavefr
     }
 }
 
-void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
-                            float* const f[3], float* pdf_solid_angle )
+// f and density of the BSDF alone.
+static void evaluate_bsdf( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
+                           float* const f[3], float* pdf_solid_angle )
 {
     int first = v->first[kind], count = v->first[kind + 1] - first;
     if ( count == 0 )
@@ -282,6 +284,21 @@ void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float
     rf_bsdf_evaluate( kind, count, &lanes, seen_from, in, out, pdf );
 }
 
+static void mix_guide( const RfVertexLanes* v, int first, int end, const float* const wi[3], float* pdf_solid_angle )
+{
+    const float* in[3] = { wi[0] + first, wi[1] + first, wi[2] + first };
+    if ( v->guide != NULL && pdf_solid_angle != NULL )
+        rf_mix_guide( v->guide, end - first, v->table + first, in, pdf_solid_angle + first );
+}
+
+void rf_evaluate_seen_from( const RfVertexLanes* v, RfBsdfKind kind, const float* const wo[3], const float* const wi[3],
+                            float* const f[3], float* pdf_solid_angle )
+{
+    evaluate_bsdf( v, kind, wo, wi, f, pdf_solid_angle );
+    if ( kind < RF_BSDF_FIRST_SPECULAR )
+        mix_guide( v, v->first[kind], v->first[kind + 1], wi, pdf_solid_angle );
+}
+
 static void evaluate_kinds( const RfVertexLanes* v, int kinds, const float* const wi[3], float* const f[3],
                             float* pdf_solid_angle )
 {
@@ -289,13 +306,14 @@ static void evaluate_kinds( const RfVertexLanes* v, int kinds, const float* cons
     for ( int kind = 0; kind < kinds; ++kind )
     {
         if ( rf_is_model_built( (RfBsdfKind)kind ) )
-            rf_evaluate_seen_from( v, (RfBsdfKind)kind, wo, wi, f, pdf_solid_angle );
+            evaluate_bsdf( v, (RfBsdfKind)kind, wo, wi, f, pdf_solid_angle );
     }
 }
 
 void rf_evaluate_lanes( const RfVertexLanes* v, const float* const wi[3], float* const f[3], float* pdf_solid_angle )
 {
     evaluate_kinds( v, RF_BSDF_KIND_COUNT, wi, f, pdf_solid_angle );
+    mix_guide( v, 0, rf_record_count( v ), wi, pdf_solid_angle );
 }
 
 // Samples directions for the lanes of non-specular models.
@@ -330,14 +348,41 @@ static void sample_specular_lanes( const RfVertexLanes* v, RfLaneScratch* s, flo
     }
 }
 
+// Samples the guide instead of the BSDF where the number that selects lobes is below its share. The others keep what is left of it.
+static void sample_guided_lanes( const RfVertexLanes* v, RfLaneScratch* s, float* const wi[3] )
+{
+    bool guided[RF_LANES];
+    int count = rf_record_count( v );
+    for ( int i = 0; i < count; ++i )
+    {
+        float share = v->table[i] >= 0 ? v->guide->tables[v->table[i]].share : 0.0f, u = s->random[2][i];
+        guided[i] = u < share;
+        s->random[2][i] = guided[i] ? 0.0f : rf_minf( ( u - share ) / ( 1.0f - share ), 0x1.fffffep-1f );
+    }
+    sample_nonspecular_lanes( v, s, wi );
+    for ( int i = 0; i < count; ++i )
+    {
+        if ( guided[i] )
+            RF_PUT3( wi, i, rf_sample_guide( v->guide->tables + v->table[i], s->random[0][i], s->random[1][i] ) );
+    }
+}
+
 void rf_scatter_lanes( const RfWavefront* keys, const RfVertexLanes* v, uint32_t dimension, float* const wi[3],
                        RfLaneScratch* scratch )
 {
     const float* wi_in[3] = { wi[0], wi[1], wi[2] };
     float* f[3] = { scratch->f[0], scratch->f[1], scratch->f[2] };
     rf_draw_lanes( keys, v->count, v->slot, dimension, 3, scratch->random );
-    sample_nonspecular_lanes( v, scratch, wi );
+    if ( v->guide != NULL )
+        sample_guided_lanes( v, scratch, wi );
+    else
+        sample_nonspecular_lanes( v, scratch, wi );
     evaluate_kinds( v, RF_BSDF_FIRST_SPECULAR, wi_in, f, scratch->pdf );
+    if ( v->guide != NULL )
+    {
+        memcpy( scratch->pdf_bsdf, scratch->pdf, (size_t)rf_record_count( v ) * sizeof( float ) );
+        mix_guide( v, 0, rf_record_count( v ), wi_in, scratch->pdf );
+    }
     sample_specular_lanes( v, scratch, wi );
 }
 
@@ -379,13 +424,24 @@ static void add_light_samples( const RfPathSettings* settings, RfWavefront* wave
     }
 }
 
+// Guides are used where light is hard to find: paths end later there.
+#define GUIDED_WORTH 4.0f
+
+// The factor by which a guide lowers the throughput of a path, for roulette: where a guide leads, more light is to be expected than the
+// throughput tells (Vorba, Křivánek, Adjoint-Driven Russian Roulette and Splitting, 2016).
+static float lowered_by_guide( const RfLaneScratch* s, int i )
+{
+    const float most = 1e4f; // of directions that the BSDF hardly draws
+    return rf_minf( s->pdf[i] / rf_maxf( s->pdf_bsdf[i], 1e-30f ), most );
+}
+
 // Survival probability of the roulette, from the throughput of the path.
 static float survival( const RfWavefront* wavefront, int vertex, int slot, const float throughput[3] )
 {
     if ( vertex < RF_ROULETTE_VERTEX )
         return 1.0f;
     float carried = rf_maxf( throughput[0], rf_maxf( throughput[1], throughput[2] ) ) * wavefront->roulette_scale[slot];
-    return rf_survival( carried, vertex );
+    return rf_survival( wavefront->vertices.guide != NULL ? GUIDED_WORTH * carried : carried, vertex );
 }
 
 // Lanes with a non-specular BSDF.
@@ -405,6 +461,8 @@ static int scatter_nonspecular_lanes( RfWavefront* wavefront, const RfRayLanes* 
         float t[3];
         for ( int c = 0; c < 3; ++c )
             t[c] = rays->throughput[c][r] * s->f[c][i] * scale;
+        if ( v->guide != NULL )
+            wavefront->roulette_scale[v->slot[i]] *= lowered_by_guide( s, i );
         float q = survival( wavefront, vertex, v->slot[i], t );
         for ( int c = 0; c < 3; ++c )
             next->throughput[c][kept] = q > 0.0f ? t[c] / q : 0.0f;
@@ -448,8 +506,10 @@ static void scatter( const RfPathSettings* settings, RfWavefront* wavefront, con
     note_chain_events( settings->chain_light, v, vertex, (const float* const*)wi, s->pdf );
     note_caustics( settings, v, s->pdf );
     rf_draw_lanes( wavefront, v->count, v->slot, dimension + RF_DIMENSION_ROULETTE, 1, s->random );
-    next->count =
-        scatter_specular_lanes( wavefront, rays, vertex, next, scatter_nonspecular_lanes( wavefront, rays, vertex, next ) );
+    int kept = scatter_nonspecular_lanes( wavefront, rays, vertex, next );
+    if ( settings->notes != NULL )
+        rf_note_vertices( wavefront, rays, next, kept, settings->notes );
+    next->count = scatter_specular_lanes( wavefront, rays, vertex, next, kept );
 }
 
 void rf_absorb( const RfVertexLanes* v, RfRayLanes* rays )
@@ -531,6 +591,8 @@ static int scatter_nonspecular_deferred( const RfVertexLanes* v, float* const wi
             rays->throughput[c][kept] = 1.0f;
         rf_write_ray( v, i, direction, 1.0f, pdf, rays, kept );
         float weight = pdf > 0.0f ? rf_maxf( s->f[0][i], rf_maxf( s->f[1][i], s->f[2][i] ) ) * cos_x / pdf : 0.0f;
+        if ( v->guide != NULL )
+            weight *= lowered_by_guide( s, i );
         wavefront->roulette_scale[v->slot[i]] *= rf_shared_factor( weight );
         kept += ( cos_x > 0.0f ) & ( cos_g > 0.0f || RF_FAULT( below_triangle ) ) & ( pdf > 0.0f );
     }

@@ -56,6 +56,7 @@ static inline void rf_close_chain( RfChainLight* chain_light, int slot, const fl
 }
 
 typedef struct RfConnector RfConnector;
+typedef struct RfGuideNotes RfGuideNotes;
 
 // How the paths of a batch are traced. Const while they are: where a part of them is traced otherwise, it has settings of its own.
 typedef struct RfPathSettings
@@ -66,10 +67,12 @@ typedef struct RfPathSettings
     RfLightSampling light_sampling;
     RfOccluders* occluders;       // of the thread; NULL: none
     const RfConnector* connector; // NULL: caustics are found by scattered rays alone
-    RfOwnLight* own; // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
-    bool frosted;    // camera rays find rough glass as RF_BSDF_FROSTED
-    bool parts;      // keeps that of each part apart (light/light.h); else it is as in the tracer's frame
-    bool grouped;    // keeps light groups apart: what has no part of its own counts in the base part of its group
+    RfOwnLight* own;      // keeps light of paths that what moves touches, or caustics, apart from the arrivals; NULL: none
+    const RfGuide* guide; // of scattering at vertices that become records; NULL: none
+    RfGuideNotes* notes;  // get the vertices of rf_trace_tails (path/guide_learner.h); NULL: nothing is learned
+    bool frosted;         // camera rays find rough glass as RF_BSDF_FROSTED
+    bool parts;           // keeps that of each part apart (light/light.h); else it is as in the tracer's frame
+    bool grouped;         // keeps light groups apart: what has no part of its own counts in the base part of its group
     // with parts: the tracers of the frames, where light of one frame is looked up in each; NULL: it is not
     const RfTracer* const* frames;
     int frame;            // of the paths

@@ -248,11 +248,18 @@ typedef struct RfRenderStats
     int flicker_missed;  // the same of pairs and settings.flicker, counted at the later frame
     bool hurried;        // settings.time was too short for the least: two passes of a frame
     int adaptive_frames; // finished frames with extra samples
+    int guide_tables;    // densities of the guide (RfGuiding); 0: paths were not guided
     double clamp;        // threshold of the first frame asked for; 0: none was needed, or found
     double clamp_chains; // likewise that of lights found by mirrors and glass
     int entry_count;     // of the entries
     RfMemoryEntry entries[RF_MAX_MEMORY_ENTRIES];
 } RfRenderStats;
+
+// Settings for renders of parts of a shot that are guided as one of all of it is: *parts are `settings` with what a pilot over the shot
+// has learned, which the caller destroys after them; *guide is NULL where it guides nothing. Fails as rf_render.
+RfResult rf_guide_parts( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* parts, RfGuide** guide,
+                         RfError* error );
+void rf_forget_guide( RfGuide* guide ); // may be NULL
 
 // Renders the frames of a shot and hands each to callbacks->frame as soon as it is finished, in order. A frame does
 // not depend on which others are asked for, except with noise, flicker or time, which look at what was

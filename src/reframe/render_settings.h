@@ -61,6 +61,19 @@ typedef enum RfReconstruction
 // "weighted", "l2", "l1", "none".
 const char* rf_reconstruction_name( RfReconstruction reconstruction );
 
+typedef struct RfGuide RfGuide;
+
+// Whether scattering draws directions by where light comes from, as a pilot has learned. Any guide leaves the picture's mean as it is.
+typedef enum RfGuiding
+{
+    RF_GUIDE_AUTO, // where the pilot finds that it pays; off where it cannot be had
+    RF_GUIDE_ON,   // wherever anything is learned; an error where it cannot be had
+    RF_GUIDE_OFF,
+} RfGuiding;
+
+// "auto", "on", "off".
+const char* rf_guiding_name( RfGuiding guiding );
+
 // Extra own-frame samples for pixels that few other frames help.
 typedef enum RfAdaptive
 {
@@ -193,7 +206,9 @@ typedef struct RfRenderSettings
     RfTile tile;                  // pixels of a frame that reuse each other's paths
     double clamp;                 // what one path may bring to a hit, luminance; RF_CLAMP_AUTO: found by a pilot; 0: any light
     double clamp_chains;          // likewise a light that camera rays find by mirrors and glass; 0: as `clamp`
-    RfAdaptive adaptive;          // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
+    RfGuiding guide;              // of paths, by what a pilot over the whole path of the camera has learned
+    const RfGuide* learned; // and what it has learned (rf_learn_guide_of), unless RF_GUIDE_OFF; NULL: each render has a pilot
+    RfAdaptive adaptive;    // extra samples for pixels that few other frames help; RF_WEIGHTS_EXACT only
     RfWeights weights;
     RfNormalize normalize;
     RfReconstruction reconstruction; // of "gradient"

@@ -20,6 +20,7 @@ static RfRenderSettings pilot_settings( const RfRenderSettings* settings, int fr
     pilot.filter = RF_FILTER_BOX;
     pilot.filter_width = rf_default_filter_width( RF_FILTER_BOX );
     pilot.adaptive = RF_ADAPTIVE_OFF;
+    pilot.guide = RF_GUIDE_OFF;
     pilot.light_samples = settings->light_samples;
     pilot.light_sampling = settings->light_sampling;
     pilot.threads = 1; // pictures are too small to share out, and take little memory, whatever the budget

@@ -22,6 +22,7 @@
 #include "film/film.h"
 #include "film/film_error.h"
 #include "film/pixel_filter.h"
+#include "path/guide.h"
 #include "reframe/render.h"
 #include "render/clamp_threshold.h"
 #include "render/traits.h"
@@ -29,6 +30,7 @@
 // Numbers of groups for what has random numbers of its own; no group of the path has them. Extra samples and glints of group n have
 // n more.
 #define RF_GROUP_OF_PILOT 0x40000000u
+#define RF_GROUP_OF_GUIDE 0x50000000u
 #define RF_GROUP_OF_CLAMP 0x60000000u
 #define RF_GROUP_OF_EXTRA 0x80000000u
 #define RF_GROUP_OF_GLINTS 0xa0000000u
@@ -58,6 +60,7 @@ typedef struct RfEstimatorGroup
     bool single;          // pixel by pixel, not in tiles
     bool first_hits_only; // no light: for add_own_shares and count_reuse alone
     bool probe;           // it stands for groups of more frames: finds the hits that these have
+    const RfGuide* guide; // of paths, for estimators that heed one; NULL: none
     const RfClampThresholds* clamp; // with settings.clamp: the threshold of each frame, like eyes; NULL: none
     RfClampWatch* clamp_watch;      // is told of what paths bring, by one thread (render/clamp_threshold.h); NULL: nobody
     const void* compiled;           // what `compile` made for groups of so many frames; NULL where only sizes are asked for
@@ -167,6 +170,7 @@ struct RfEstimator
     bool has_covering;    // and RfAccumulateJob.covering
     bool clamps;       // with settings.clamp, or without caustics (RfSceneTraits), it adds the light taken out to one film more,
                        // whose weights do not matter
+    bool guides;       // it heeds RfEstimatorGroup.guide
     bool splits_light; // it adds each light group (RfSceneTraits.light_groups) to a film of its own, whose weights do not matter,
                        // and each of RF_PASS_AOVS
     bool biased;       // for other RfRenderSettings.weights than RF_WEIGHTS_EXACT

@@ -2,6 +2,7 @@
 #include "base/system.h"
 #include "reframe/plan.h"
 #include "render/frames.h"
+#include "render/guide_pilot.h"
 #include "render/pass.h"
 #include "render/settings.h"
 #include "render/state.h"
@@ -228,6 +229,7 @@ static void fill_stats( const RfRenderer* r, RfRenderStats* stats )
         .flicker_missed = r->stop.flicker_missed,
         .hurried = r->stop.hurried,
         .adaptive_frames = r->adaptive_frames,
+        .guide_tables = r->guide != NULL ? r->guide->table_count : 0,
         .clamp = r->clamps != NULL ? (double)r->clamps[*r->setup->shot.frames].threshold[RF_CLAMP_PATHS] : 0.0,
         .clamp_chains = r->clamps != NULL ? (double)r->clamps[*r->setup->shot.frames].threshold[RF_CLAMP_CHAINS] : 0.0,
         .entry_count = r->memory.arena.entry_count,
@@ -246,8 +248,9 @@ static RfRenderer make_renderer( const RfRenderSetup* setup )
     return r;
 }
 
-RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
-                    RfRenderStats* stats, RfError* error )
+// `guide`: takes what was learned to guide paths, and nothing is rendered; NULL: all is.
+static RfResult render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
+                        RfRenderStats* stats, RfGuide** guide, RfError* error )
 {
     RfRenderSetup setup = { .shot = *shot };
     RfResult result = rf_resolve_settings( shot, settings, &setup.settings, error );
@@ -269,8 +272,10 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
         if ( result == RF_OK )
             result = rf_create_worlds( &setup.shot, setup.sizes.worlds, rf_follows_motion( &setup.settings ), &r.worlds, error );
         if ( result == RF_OK )
+            result = rf_find_guide( &r, error );
+        if ( result == RF_OK && guide == NULL )
             result = rf_find_clamps( &r, error );
-        if ( result == RF_OK )
+        if ( result == RF_OK && guide == NULL )
             result = render_and_deliver( &r, error );
         rf_destroy_worlds( &r.worlds );
         omp_set_num_threads( before );
@@ -281,7 +286,40 @@ RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const 
     if ( stats != NULL )
         fill_stats( &r, stats );
     free( r.clamps );
+    if ( guide != NULL && result == RF_OK )
+        *guide = r.learned;
+    else
+        rf_destroy_guide( r.learned );
     rf_free_render_memory( &setup.sizes, &r.memory );
     join_light( &setup );
     return result;
 }
+
+RfResult rf_render( const RfShot* shot, const RfRenderSettings* settings, const RfRenderCallbacks* callbacks,
+                    RfRenderStats* stats, RfError* error )
+{
+    return render( shot, settings, callbacks, stats, NULL, error );
+}
+
+RfResult rf_guide_parts( const RfShot* shot, const RfRenderSettings* settings, RfRenderSettings* parts, RfGuide** guide,
+                         RfError* error )
+{
+    *guide = NULL;
+    *parts = *settings;
+    if ( settings->guide == RF_GUIDE_OFF || !settings->estimator->guides )
+        return RF_OK;
+    RfRenderSettings own = *settings;
+    own.group = 0; // the guide does not depend on these
+    own.tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
+    own.adaptive = RF_ADAPTIVE_OFF;
+    own.clamp = own.clamp_chains = 0.0;
+    own.aovs = 0;
+    own.light_groups = NULL;
+    own.cryptomatte = 0;
+    RfResult result = render( shot, &own, NULL, NULL, guide, error );
+    parts->learned = *guide;
+    parts->guide = *guide != NULL ? RF_GUIDE_AUTO : RF_GUIDE_OFF;
+    return result;
+}
+
+void rf_forget_guide( RfGuide* guide ) { rf_destroy_guide( guide ); }

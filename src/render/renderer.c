@@ -55,6 +55,7 @@ RfEstimatorGroup rf_frames_as_group( RfRenderer* r, int first_frame, int eye_cou
         .height = r->setup->sizes.height,
         .max_depth = useful_depth( r ),
         .filter = rf_is_plain_filter( &r->setup->settings ) ? NULL : &r->setup->filter,
+        .guide = r->guide,
         .eyes = r->setup->shot.eyes + first_frame,
         .eye_count = eye_count,
         .first_frame = first_frame,

@@ -59,6 +59,8 @@ struct RfRenderer
     RfRenderMemory memory;
     RfFrameQueue queue;
     RfWorlds worlds;
+    RfGuide* learned;          // by the pilot; NULL: nothing
+    const RfGuide* guide;      // of paths: that, or the settings'; NULL: none
     RfClampThresholds* clamps; // by frame of the path: thresholds; NULL without a clamp
     RfSurfaceTables surfaces;  // what they are called
     int* traced_jobs;          // of a pass, with settings.pieces; NULL: all jobs

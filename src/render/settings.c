@@ -57,6 +57,7 @@ static RfResult check_choices( const RfRenderSettings* s, RfError* error )
         CHOICE( "use of light paths", s->light_paths, RF_LIGHT_PATHS_OFF ),
         CHOICE( "normalisation of kernels", s->kernel_normalization, RF_KERNEL_DENSITY ),
         CHOICE( "reconstruction", s->reconstruction, RF_RECONSTRUCTION_NONE ),
+        CHOICE( "guiding", s->guide, RF_GUIDE_OFF ),
         CHOICE( "adaptive sampling", s->adaptive, RF_ADAPTIVE_OFF ),
         CHOICE( "compression", s->files.compression, RF_EXR_DWAB ),
     };
@@ -139,6 +140,7 @@ static RfResult check_estimator( const RfRenderSettings* s, RfError* error )
         { ( s->aovs & RF_AOV_BIT( RF_AOV_ALPHA ) ) != 0 && !e->has_alpha, "alpha" },
         { rf_wants_covering( s ) && !e->has_covering, "Cryptomatte and no index AOVs" },
         { s->clamp != 0.0 && !e->clamps, "clamp" },
+        { s->guide == RF_GUIDE_ON && !e->guides, "guiding" },
     };
     for ( size_t i = 0; i < sizeof lacks / sizeof lacks[0]; ++i )
     {

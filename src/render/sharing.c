@@ -242,6 +242,7 @@ static RfRenderSettings pilot_settings( const Look* look )
     settings.filter = RF_FILTER_BOX;
     settings.filter_width = rf_default_filter_width( RF_FILTER_BOX );
     settings.adaptive = RF_ADAPTIVE_OFF;
+    settings.guide = RF_GUIDE_OFF;
     settings.light_paths = RF_LIGHT_PATHS_OFF;
     settings.max_depth = look->settings->max_depth;
     settings.threads = 1; // pictures are too small to share out

@@ -211,6 +211,7 @@ const RfEstimator rf_reuse_estimator = {
     .has_features = true,
     .has_covering = true,
     .clamps = true,
+    .guides = true,
     .splits_light = true,
     .other_weights = &rf_biased_estimator,
     .check = check,

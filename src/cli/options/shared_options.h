@@ -107,7 +107,11 @@ extern RfDefaultTexts rf_default_texts;
                    .heading = RF_HEADING_QUALITY ),                                                                              \
         RF_INT_OPTION( "light-samples", &( o ).settings.light_samples, 1, RF_MAX_LIGHT_SAMPLES, "K",                             \
                        "light samples per path vertex; with tiles, at least two at first hits", .in_file = true,                 \
-                       .heading = RF_HEADING_QUALITY )
+                       .heading = RF_HEADING_QUALITY ),                                                                          \
+        RF_CHOICE_OPTION( "guide", RF_ENUM( &( o ).settings.guide ), rf_guiding_words,                                           \
+                          "guide paths to where light comes from, as a pilot over the whole camera path learns it, in rooms "    \
+                          "lit through gaps and doors; auto: where the pilot finds that it pays off",                            \
+                          .in_file = true, .heading = RF_HEADING_QUALITY )
 
 #define RF_SEED_OPTION( o )                                                                                                      \
     RF_UINT64_OPTION( "seed", &( o ).settings.seed, "S", "random seed", .in_file = true, .heading = RF_HEADING_QUALITY )

@@ -110,6 +110,12 @@ static void print_clamp( const RfRenderJob* job )
         printf( "For all shots of a set: --clamp %.4g --clamp-chains %.4g\n", stats->clamp, stats->clamp_chains );
 }
 
+static void print_guide( const RfRenderStats* stats )
+{
+    if ( stats->guide_tables > 0 )
+        printf( "Paths were guided to light that is hard to find; --guide off goes without\n" );
+}
+
 // Warns of reconstructions that did not converge, or failed.
 static void warn_of_solves( const RfFrameErrors* errors, RfLog* log )
 {
@@ -736,6 +742,7 @@ static RfResult report( RfRenderJob* job, RfError* error )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
         print_clamp( job );
+        print_guide( &job->stats );
         print_frame_errors( job );
     }
     return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );

@@ -572,7 +572,7 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
     if ( s->light_paths != RF_LIGHT_PATHS_OFF )
         rf_json_add( json, "{s:s, s:s}", "light_paths", rf_light_paths_name( s->light_paths ), "kernel_normalization",
                      rf_kernel_normalization_name( s->kernel_normalization ) );
-    rf_json_add( json, "{s:s*, s:s*, s:s*, s:o*, s:o?, s:o, s:i, s:b, s:O, s:s, s:i, s:o, s:o, s:o*}", "names",
+    rf_json_add( json, "{s:s*, s:s*, s:s*, s:o*, s:o?, s:o, s:i, s:b, s:O, s:s, s:i, s:o, s:o, s:o*, s:s, s:i}", "names",
                  files->names != RF_NAMES_REFRAME ? rf_pass_names_words[files->names] : NULL, "colorspace",
                  files->colour_space != RF_REC709 ? rf_colour_space_words[files->colour_space] : NULL, "overscan",
                  options->overscan, "timecode", files->time_code != NULL ? rf_json_text( files->time_code ) : NULL, "specks",
@@ -583,7 +583,8 @@ json_t* rf_render_json( const RfRenderJob* job, json_t* frames, bool interrupted
                  s->clamp == RF_CLAMP_AUTO ? json_string( "auto" )
                  : s->clamp == 0.0         ? json_string( "off" )
                                            : rf_json_number( s->clamp ),
-                 "clamp_chains", s->clamp_chains > 0.0 ? rf_json_number( s->clamp_chains ) : NULL );
+                 "clamp_chains", s->clamp_chains > 0.0 ? rf_json_number( s->clamp_chains ) : NULL, "guide",
+                 rf_guiding_name( s->guide ), "guide_tables", stats->guide_tables );
     if ( job->denoiser != NULL )
     {
         RfErrorEstimate mean = rf_denoised_error( &job->denoised );

@@ -34,6 +34,8 @@ typedef struct Job
 {
     RfTrialCommand command;
     RfCostJob asked;
+    RfRenderSettings settings; // of it: what was given, with the guide
+    RfGuide* guide;            // NULL: none
     RfCost cost;
     RfDenoiser* denoiser;       // NULL: without --denoise
     RfDenoisedCost denoised[2]; // by path tracing and with reuse
@@ -591,9 +593,9 @@ static RfResult search( void* user, RfError* error )
     static const RfTrialWatch watch = { rf_may_go_on, NULL };
     Job* job = user;
     job->load_seconds = fmin( rf_wall_seconds() - job->command.start, rf_process_seconds() ); // of an idle machine
-    job->asked = ( RfCostJob ){
-        .shot = job->command.shot, .settings = &s_given.render.settings, .watch = &watch, .report = say, .user = job
-    };
+    job->asked =
+        ( RfCostJob ){ .shot = job->command.shot, .settings = &job->settings, .watch = &watch, .report = say, .user = job };
+    RF_TRY( rf_guide_parts( &job->asked.shot, &s_given.render.settings, &job->settings, &job->guide, error ) );
     job->asked.relmse = main_error();
     job->asked.least = s_noise.values[0];
     for ( int i = 1; i < s_noise.count; ++i )
@@ -630,5 +632,6 @@ int rf_command_cost( int argc, char** argv )
                                 .argv = argv } };
     int status = rf_run_trial_command( &job.command );
     rf_close_denoiser( job.denoiser );
+    rf_forget_guide( job.guide );
     return status;
 }

@@ -118,8 +118,10 @@ typedef struct Job
     RfTrialCommand command;
     RfPlan plan;
     RfTune tune;
-    RfRanges ranges; // for --nodes; its list is NULL: none
-    char* best;      // the command line of the winner; NULL: there is none
+    RfRenderSettings settings; // of its trials: what was given, with the guide
+    RfGuide* guide;            // NULL: none
+    RfRanges ranges;           // for --nodes; its list is NULL: none
+    char* best;                // the command line of the winner; NULL: there is none
     SplitCosts split;
 } Job;
 
@@ -727,7 +729,7 @@ static RfResult search( void* user, RfError* error )
     static const RfTrialWatch watch = { rf_may_go_on, NULL };
     Job* job = user;
     RfTuneJob tune = { .shot = job->command.shot,
-                       .settings = &s_given.render.settings,
+                       .settings = &job->settings,
                        .goal = (RfTuneGoal)s_goal,
                        .watch = &watch,
                        .report = say,
@@ -735,6 +737,7 @@ static RfResult search( void* user, RfError* error )
     RfResult result = make_plan( job, error );
     if ( result != RF_OK || !( s_given.budget > 0.0 ) )
         return result;
+    RF_TRY( rf_guide_parts( &tune.shot, &s_given.render.settings, &job->settings, &job->guide, error ) );
     tune.budget = rf_budget_left( &job->command, &tune.deadline );
     result = rf_tune( &tune, &job->tune, error );
     int rounds = job->tune.round_count;
@@ -764,6 +767,7 @@ int rf_command_tune( int argc, char** argv )
                                 .argv = argv } };
     int status = rf_run_trial_command( &job.command );
     free( job.best );
+    rf_forget_guide( job.guide );
     rf_free_ranges( &job.ranges );
     return status;
 }

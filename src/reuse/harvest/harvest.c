@@ -23,6 +23,7 @@ RfHarvest rf_make_harvest( const RfEstimatorGroup* group )
         .path = { .tracer = group->tracer,
                   .max_depth = group->max_depth,
                   .frosted = plan->shape.frosted,
+                  .guide = group->guide,
                   .light_samples = settings->light_samples,
                   .light_sampling = settings->light_sampling },
         .tracers = group->tracers,

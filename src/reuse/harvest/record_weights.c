@@ -274,7 +274,7 @@ static bool any_indirect( const RfArrivalLanes* arrival, bool found, int first, 
     return false;
 }
 
-static void evaluate_glossy( const RfHitBatch* batch, Direction* by, RfLaneScratch* s )
+static void evaluate_glossy( const RfHitBatch* batch, const RfVertexLanes* v, Direction* by, RfLaneScratch* s )
 {
     int first = first_glossy( batch );
     const float *wo[3] = { batch->wo[0], batch->wo[1], batch->wo[2] },
@@ -282,6 +282,8 @@ static void evaluate_glossy( const RfHitBatch* batch, Direction* by, RfLaneScrat
     float* f[3] = { s->f[0] + first, s->f[1] + first, s->f[2] + first };
     if ( !by->has_glossy )
         rf_evaluate_glossy( batch, wo, wi, f, s->pdf + first );
+    if ( !by->has_glossy && v->guide != NULL )
+        rf_mix_guide( v->guide, batch->count - first, v->table + first, wi, s->pdf + first );
     by->has_glossy = true;
 }
 
@@ -298,7 +300,7 @@ static void clamp_glossy( const RfArrivalLanes* arrival, Direction* by, int part
     const RfWeightedLanes *kept = rf_weighted( rf_layer_light( batch, part, RF_KIND_INDIRECT ), by->number ),
                           *taken = rf_weighted( removed, by->number );
     bool any = false;
-    evaluate_glossy( batch, by, s );
+    evaluate_glossy( batch, scratch->hits, by, s );
     for ( int i = first; i < batch->count; ++i )
     {
         const float one[3] = { 1.0f, 1.0f, 1.0f };
@@ -367,7 +369,7 @@ static void weight_part( const RfHarvest* harvest, RfHitBatch* batch, RfHarvestS
     }
     if ( !glossy || !rf_any_arrives( own, first_glossy( batch ), batch->count ) )
         return;
-    evaluate_glossy( batch, by, s );
+    evaluate_glossy( batch, scratch->hits, by, s );
     add_own( own, by, base, first_glossy( batch ), batch->count, batch, scratch );
 }
 
@@ -450,6 +452,16 @@ static void add_density( const RfHarvest* harvest, const RfHitBatch* batch, RfHa
         mixture[i] += rf_mixture_share( density[i], sum[i] ) * pdf[i];
 }
 
+// P becomes (1 − c) P + c g: the guide is the same for all cameras.
+static void mix_guide( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch, int direction )
+{
+    int first = first_glossy( batch );
+    const RfVertexLanes* v = scratch->hits;
+    Direction by = find_direction( harvest, scratch, direction );
+    const float* wi[3] = { by.wi[0] + first, by.wi[1] + first, by.wi[2] + first };
+    rf_mix_guide( v->guide, batch->count - first, v->table + first, wi, scratch->mixture + (size_t)direction * RF_LANES );
+}
+
 // P of all directions.
 static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, RfHarvestScratch* scratch )
 {
@@ -467,6 +479,11 @@ static void mix_densities( const RfHarvest* harvest, const RfHitBatch* batch, Rf
             if ( is_taken( harvest, d ) )
                 add_density( harvest, batch, scratch, l, d );
         }
+    }
+    for ( int d = 0; d < directions && scratch->hits->guide != NULL; ++d )
+    {
+        if ( is_taken( harvest, d ) )
+            mix_guide( harvest, batch, scratch, d );
     }
 }
 

@@ -572,11 +572,15 @@ void rf_gather_diffuse_tile_light( const RfTileReuse* reuse, int part, int first
     {
         const RfPairingLanes* t = reuse->pairings + s;
         const float* weight = t->weight;
-        float scaled[RF_LANES];
+        float scaled[RF_LANES], guided[RF_LANES];
+        for ( int i = 0; i < count && reuse->hits.lanes->guide != NULL; ++i )
+            guided[i] = t->weight[i] * t->guided[i];
+        if ( reuse->hits.lanes->guide != NULL )
+            weight = guided;
         if ( weighted != NULL )
         {
             for ( int i = 0; i < count; ++i )
-                scaled[i] = t->weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
+                scaled[i] = weight[i] * ( weighted[i] && rf_receives_chain_light( reuse, s, i ) ? chain_weight : 1.0f );
             weight = scaled;
         }
         if ( own_frame )

@@ -69,6 +69,7 @@ typedef struct RfPairingLanes
     // by hit
     RF_ALIGN float wi[3][RF_LANES];   // unit, to the second vertex
     float weight[RF_LANES];           // ρ, later the balance weight ρ / Σ_k ρ_k; 0: occluded, or no vertex
+    float guided[RF_LANES];           // with a guide, of diffuse hits: the cosine's density over that of the direction
     int32_t vertex[RF_LANES];         // second vertex of the neighbour path; 0, with weight 0, if it has none
     float ( *pane_weight )[RF_LANES]; // κ of the thin dielectrics between (section 11), by channel; NULL: the scene has none
     // by second vertex

@@ -68,6 +68,11 @@ static void multiply_densities( const RfVertexLanes* x, RfPairingLanes* pairing,
 #pragma omp simd
     for ( int i = 0; i < count; ++i )
         pairing->weight[i] *= pdf[i];
+    for ( int i = 0; i < x->first[RF_BSDF_FIRST_GLOSSY] && x->guide != NULL; ++i )
+    {
+        float cosine = rf_maxf( rf_dot( RF_GET3( x->n, i ), RF_GET3( pairing->wi, i ) ), 0.0f );
+        pairing->guided[i] = pdf[i] > 0.0f ? RF_INV_PI * cosine / pdf[i] : 0.0f;
+    }
 }
 
 // Connections to be tested: each is a segment in the scratch, whose visibility multiplies the weight of a hit in a pairing.
