@@ -94,7 +94,7 @@ static int run_help( int argc, char** argv )
 }
 
 // The instruction sets that this program, or one beside it, may be compiled for: levels of the x86-64 ABI supplement. 0: another
-// machine, whose compiler knows what it has.
+// machine, with one kernel.
 #if !defined( __x86_64__ )
 #define LEVEL 0
 #elif defined( __AVX512F__ ) && defined( __AVX512VL__ )
@@ -107,7 +107,12 @@ static int run_help( int argc, char** argv )
 #define LEVEL 1
 #endif
 #define MOST_LEVEL 4
-static const char* const s_levels[] = { "native", "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4" };
+#ifdef __aarch64__
+#define OTHER "neon" // which all have
+#else
+#define OTHER "native"
+#endif
+static const char* const s_levels[] = { OTHER, "x86-64", "x86-64-v2", "x86-64-v3", "x86-64-v4" };
 
 // That of this machine.
 static int find_level( void )
@@ -166,7 +171,8 @@ static bool start_kernel( char** argv )
     if ( LEVEL >= least && LEVEL <= most )
         return true;
     if ( most > MOST_LEVEL )
-        fprintf( stderr, "reframe: REFRAME_KERNEL: '%s': no kernel, expected x86-64-v2, x86-64-v3 or x86-64-v4\n", asked );
+        fprintf( stderr, "reframe: REFRAME_KERNEL: '%s': no kernel, expected %s\n", asked,
+                 LEVEL == 0 ? OTHER : "x86-64-v2, x86-64-v3 or x86-64-v4" );
     else if ( most > has )
         fprintf( stderr, "reframe: REFRAME_KERNEL: this processor lacks %s: it has %s\n", asked, s_levels[has] );
     else

@@ -230,10 +230,11 @@ static RfTreeLight plane_bound( const RfLights* lights, uint32_t light )
     const RfPunctual* plane = rf_punctual_light( lights, light );
     RfTreeLight out = empty( light );
     RfVec3 x = rf_scale( plane->across, plane->half[0] ), y = rf_scale( rf_plane_up( plane ), plane->half[1] );
-    for ( int k = 0; k < 4; ++k )
+    for ( int k = -1; k <= 1; k += 2 ) // over all four corners, gcc 12 for ARM64 crashes
     {
-        RfVec3 side = rf_madd( plane->position, x, k & 1 ? 1.0f : -1.0f );
-        extend_box( &out, lights, rf_madd( side, y, k & 2 ? 1.0f : -1.0f ) );
+        RfVec3 side = rf_madd( plane->position, x, (float)k );
+        extend_box( &out, lights, rf_madd( side, y, 1.0f ) );
+        extend_box( &out, lights, rf_madd( side, y, -1.0f ) );
     }
     set_axis( &out, plane->direction );
     out.cos_spread = 1.0;

@@ -2,6 +2,7 @@
 #include "trace/trace.h"
 
 #include "base/fault.h"
+#include "base/float_mode.h"
 #include "base/float_traps.h"
 #include "base/layout.h"
 #include "base/remedy.h"
@@ -11,18 +12,16 @@
 #include "trace/bvh.h"
 #include "trace/tracer.h"
 
-#include <pmmintrin.h>
+#include <fenv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <xmmintrin.h>
 
 void rf_set_float_mode( void )
 {
-    _MM_SET_FLUSH_ZERO_MODE( _MM_FLUSH_ZERO_ON );
-    _MM_SET_DENORMALS_ZERO_MODE( _MM_DENORMALS_ZERO_ON );
+    rf_flush_subnormals( true );
     if ( !RF_FAULT( rounding ) )
-        _MM_SET_ROUNDING_MODE( _MM_ROUND_NEAREST ); // math/fastmath.h rounds by additions
+        fesetround( FE_TONEAREST ); // math/fastmath.h rounds by additions
     rf_enable_float_traps();
 }
 
@@ -52,15 +51,24 @@ static RfResult build_bvh( RfTracer* tracer, RfError* error )
     return result;
 }
 
+// The kernels that Embree takes.
+static const char* find_isa( void )
+{
+#ifdef __aarch64__
+    return "neon";
+#else
+    return __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512dq" ) && __builtin_cpu_supports( "avx512vl" ) &&
+                   __builtin_cpu_supports( "avx512bw" )
+               ? "avx512"
+               : ( __builtin_cpu_supports( "avx2" ) ? "avx2" : "sse" );
+#endif
+}
+
 static void describe_device( RfTracer* tracer )
 {
     long version = (long)rtcGetDeviceProperty( tracer->device, RTC_DEVICE_PROPERTY_VERSION );
-    const char* isa = __builtin_cpu_supports( "avx512f" ) && __builtin_cpu_supports( "avx512dq" ) &&
-                              __builtin_cpu_supports( "avx512vl" ) && __builtin_cpu_supports( "avx512bw" )
-                          ? "avx512"
-                          : ( __builtin_cpu_supports( "avx2" ) ? "avx2" : "sse" );
     snprintf( tracer->text, sizeof tracer->text, "embree %ld.%ld.%ld %s", version / 10000, version / 100 % 100, version % 100,
-              isa );
+              find_isa() );
 }
 
 RfResult rf_create_tracer( const RfScene* scene, RfTracer** out, RfError* error )

@@ -1,4 +1,5 @@
 // Input cases of numbers: long sums, 16-bit floats, rounding modes, subnormals.
+#include "base/float_mode.h"
 #include "base/float_traps.h"
 #include "hard/hard_inputs.h"
 #include "bsdf/bsdf.h"
@@ -9,8 +10,6 @@
 
 #include <fenv.h>
 #include <math.h>
-#include <pmmintrin.h>
-#include <xmmintrin.h>
 
 // The sum of 2^20 samples of a constant by a film, as renders add them up.
 static HardInput long_sums( void )
@@ -98,18 +97,16 @@ static HardInput rounding_modes( void )
     HARD_TELL( "means of pictures under four rounding modes: within %.2g", worst );
 }
 
-#define FLUSH 0x8040u // to zero, and denormals are zeros
-
 // Scattering models and densities with subnormal inputs, with and without flush to zero. What is flushed is below 1.2e-38, and
 // exponents of 1e7 multiply it: differences below 1e-30 do not count.
 static HardInput subnormals( void )
 {
     HardInput out = { .holds = true };
-    unsigned mode = _mm_getcsr();
+    bool flushed = rf_flush_subnormals( false );
     double worst = 0.0;
     for ( uint32_t i = 0; i < HARD_MANY; ++i )
     {
-        _mm_setcsr( mode & ~FLUSH );                                             // renders leave it on
+        rf_flush_subnormals( false );                                            // renders leave it on
         volatile float drawn = powf( 10.0f, -36.0f - 9.0f * hard_even( i, 0 ) ); // down to 1e-45; read anew in each mode
         float value[2][4], tiny = drawn;
         RfVec3 n = rf_vec3( tiny, 1.0f, -tiny ),
@@ -129,7 +126,7 @@ static HardInput subnormals( void )
         const float *o[3] = { &wo.x, &wo.y, &wo.z }, *d[3] = { &wi.x, &wi.y, &wi.z };
         for ( int flush = 0; flush < 2; ++flush )
         {
-            _mm_setcsr( flush ? mode | FLUSH : mode & ~FLUSH );
+            rf_flush_subnormals( flush == 1 );
             tiny = drawn;
             float f[3], *to[3] = { f, f + 1, f + 2 };
             rf_bsdf_evaluate( i % 2 == 0 ? RF_BSDF_PHONG : RF_BSDF_GGX, 1, &lanes, o, d, to, &value[flush][0] );
@@ -146,7 +143,7 @@ static HardInput subnormals( void )
             value[flush][2] = rf_project( &eye, rf_vec3( tiny, 0, -tiny ), rf_vec3( 0, 0, 1 ) ).density;
             value[flush][3] = rf_pow_one_minus( tiny, shape );
         }
-        _mm_setcsr( mode );
+        rf_flush_subnormals( flushed );
         for ( int k = 0; k < 2; ++k ) // of what is flushed an eye cannot tell how near it is: a density in its range
             out.holds = out.holds && value[k][2] >= RF_MIN_DENSITY && value[k][2] <= RF_MAX_DENSITY;
         for ( int k = 0; k < 4; k += k == 1 ? 2 : 1 )

@@ -158,7 +158,8 @@ double uniform_p( double* values, int count )
     double distance = 0.0;
     for ( int i = 0; i < count; ++i )
     {
-        distance = fmax( distance, fmax( values[i] - (double)i / count, (double)( i + 1 ) / count - values[i] ) );
+        double off = fmax( values[i] - (double)i / count, (double)( i + 1 ) / count - values[i] );
+        distance = off > distance ? off : distance; // by fmax gcc 12 for ARM64 crashes
     }
     // Kolmogorov's series, with Stephens' correction for small counts
     double root = sqrt( (double)count ), lambda = ( root + 0.12 + 0.11 / root ) * distance, sum = 0.0;
