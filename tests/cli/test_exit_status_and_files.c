@@ -299,7 +299,7 @@ TEST( test_json_has_every_key )
                  "version pictures scene frames seconds seconds_scene peak_bytes budget_bytes bytes rays group tile weights "
                  "normalize threads effects effects_left_out effects_forced kept_frames interrupted clamp adaptive adaptive_mode "
                  "adaptive_frames warnings losses export_losses export_warnings repeated_frames filter specks "
-                 "beyond_depth_share clipped_pixels halo" );
+                 "beyond_depth_share clipped_pixels halo guide guide_tables" );
     expect_keys( json_object_get( json, "rays" ), "primary path shadow tile eye" );
     expect_keys( json_object_get( json, "bytes" ), "film_table films adaptive image scratch hit_records writer" );
     json_t* frames = json_object_get( json, "frames" );
