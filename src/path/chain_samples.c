@@ -144,6 +144,7 @@ static void scatter( const RfPathSettings* settings, const RfRayLanes* rays, int
     int first = rf_record_count( v );
     for ( int kind = 0; kind < RF_BSDF_FIRST_SPECULAR; ++kind )
         v->first[kind] = first; // the others need no direction
+    v->guide = NULL;
     next->count = 0;
     if ( first == v->count )
         return;

@@ -30,6 +30,7 @@ static const int s_parts[PASSES] = { 1, 5, 4, 8, 6 }; // of the passes
 #define COLUMNS 8
 #define ROWS 4
 #define BLOCKS ( COLUMNS * ROWS )
+#define MOST_LIGHT 1e18
 #define DARK 1e-3          // what relMSE adds to squares
 #define LEAST_VARIANCE 2.0 // of a path, relative to the squared brightness, below which no guide pays
 // The larger variances are, the rarer are the paths that make them, and the less a pilot sees of what a guide saves.
@@ -58,7 +59,7 @@ typedef struct Batch
 typedef struct Light
 {
     Block blocks[BLOCKS];
-    double paths, rays;
+    double paths, rays; // rays of all of them
 } Light;
 
 typedef struct Work
@@ -143,7 +144,7 @@ static bool trace_batch( const Pilot* p, const RfTracer* tracer, Batch* batch, W
     batch->rays = (double)w->path_rays + (double)w->shadow_rays;
     for ( int lane = 0; lane < batch->paths; ++lane )
     {
-        double light = (double)rf_luminance( RF_GET3( w->arrivals.rest, lane ) );
+        double light = fmin( (double)rf_maxf( rf_luminance( RF_GET3( w->arrivals.rest, lane ) ), 0.0f ), MOST_LIGHT );
         Block* block = batch->blocks + work->block[lane];
         block->count += 1.0;
         block->sum += light;
@@ -184,7 +185,8 @@ static bool keep( Pilot* p, const Batch* batch, Light* light )
         p->samples = samples;
         p->capacity = capacity;
     }
-    memcpy( p->samples + p->sample_count, batch->samples, (size_t)batch->sample_count * sizeof *batch->samples );
+    if ( batch->sample_count > 0 )
+        memcpy( p->samples + p->sample_count, batch->samples, (size_t)batch->sample_count * sizeof *batch->samples );
     p->sample_count += batch->sample_count;
     for ( int k = 0; k < BLOCKS; ++k )
     {
@@ -198,7 +200,7 @@ static bool keep( Pilot* p, const Batch* batch, Light* light )
     return true;
 }
 
-// Traces so many paths of each frame.
+// Traces so many paths of each frame. Those of still scenes share a tracer, and are traced together.
 static RfResult trace_pass( Pilot* p, int paths, Light* light, RfError* error )
 {
     RfRenderer* r = p->renderer;
@@ -226,12 +228,15 @@ static RfResult trace_pass( Pilot* p, int paths, Light* light, RfError* error )
     return fits ? rf_check_worlds( &r->worlds, error ) : fail_memory( error );
 }
 
-// The variance of paths in a block, relative to the squared brightness; NaN: unknown.
+// The variance of paths in a block, relative to the squared brightness; −1: there are too few.
 static double variance_of( const Pilot* p, const Light* light, int block )
 {
     const Block *b = light->blocks + block, *unguided = p->unguided.blocks + block, *guided = p->guided.blocks + block;
+    if ( b->count < 2.0 )
+        return -1.0;
     double brightness = ( unguided->sum + guided->sum ) / ( unguided->count + guided->count );
-    return ( b->squares - b->sum * b->sum / b->count ) / ( b->count - 1.0 ) / ( brightness * brightness + DARK );
+    double variance = ( b->squares - b->sum * b->sum / b->count ) / ( b->count - 1.0 );
+    return fmax( variance, 0.0 ) / ( brightness * brightness + DARK );
 }
 
 static bool varies( const Pilot* p )
@@ -240,8 +245,8 @@ static bool varies( const Pilot* p )
     for ( int k = 0; k < BLOCKS; ++k )
     {
         double variance = variance_of( p, &p->unguided, k );
-        sum += isfinite( variance ) ? variance : 0.0;
-        blocks += isfinite( variance ) ? 1.0 : 0.0;
+        sum += fmax( variance, 0.0 );
+        blocks += variance >= 0.0;
     }
     return sum > LEAST_VARIANCE * blocks;
 }
@@ -253,16 +258,17 @@ static bool is_worth_it( const Pilot* p, double least )
     for ( int k = 0; k < BLOCKS; ++k )
     {
         double unguided = variance_of( p, &p->unguided, k ), guided = variance_of( p, &p->guided, k );
-        if ( !isgreater( unguided, 0.0 ) || !isgreater( guided, 0.0 ) || p->unguided.blocks[k].count < 2.0 ||
-             p->guided.blocks[k].count < 2.0 )
+        if ( !( unguided > 0.0 && guided > 0.0 ) )
             continue;
         all += log( unguided );
         saved += log( unguided / guided );
         blocks += 1.0;
     }
+    if ( blocks == 0.0 || !( p->unguided.rays > 0.0 ) )
+        return false;
     double rays = ( p->guided.rays / p->guided.paths ) / ( p->unguided.rays / p->unguided.paths );
     double unseen = sqrt( fmax( exp( all / blocks ) / KNOWN_VARIANCE, 1.0 ) );
-    return unseen * exp( saved / blocks ) > least * GUIDED_COST * rays; // NaN: not
+    return unseen * exp( saved / blocks ) > least * GUIDED_COST * rays;
 }
 
 static void drop_guide( RfRenderer* r )

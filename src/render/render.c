@@ -309,7 +309,7 @@ RfResult rf_guide_parts( const RfShot* shot, const RfRenderSettings* settings, R
     if ( settings->guide == RF_GUIDE_OFF || !settings->estimator->guides )
         return RF_OK;
     RfRenderSettings own = *settings;
-    own.group = 0; // the guide does not depend on these
+    own.group = 0; // the guide does not depend on these, but for the rounding of samples by groups
     own.tile = ( RfTile ){ RF_TILE_NONE, 1, 1 };
     own.adaptive = RF_ADAPTIVE_OFF;
     own.clamp = own.clamp_chains = 0.0;

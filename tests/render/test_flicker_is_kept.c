@@ -77,7 +77,7 @@ TEST( test_less_flicker_takes_more )
     int missed = 0;
     for ( int i = 0; i < 16; ++i )
     {
-        double wanted = i % 2 == 0 ? 0.3 : 0.15;
+        double wanted = i % 2 == 0 ? 0.2 : 0.1;
         cli_expect( cli_run( "$R render " ROOM
                              " -o m.####.exr --overwrite --frames 3-6 --flicker %g --seed %d --json m.json " SMALL,
                              wanted, 1 + i / 2 ),

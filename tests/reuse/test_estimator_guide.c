@@ -125,6 +125,8 @@ TEST( test_chains_and_light_paths_are_unbiased )
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     check_scene( "curtain, glass", make_curtain_room( CURTAIN_AND_GLASS ), eyes, settings, 3 );
     check_scene( "coat, mirror", make_mirror_room( CLEAR_COAT ), eyes, settings, 1 );
+    check_scene( "tank", make_mirror_room( GLASS_TANK ), eyes, settings, 1 );
+    check_scene( "lamp in glass", make_mirror_room( LAMP_IN_GLASS ), eyes, settings, 1 );
 }
 
 STATISTICAL_TESTS

@@ -153,6 +153,16 @@ static void split_tiles( const RfHarvest* harvest, RfHarvestScratch* scratch )
     rf_split_tiles( v, key, scratch->tile_of, &scratch->tile_count );
 }
 
+// Hits with chain samples are not guided: these are weighed against directions that are drawn by the cosine.
+static void leave_unguided( RfVertexLanes* hits, const RfHarvestScratch* scratch )
+{
+    for ( int i = 0; i < rf_record_count( hits ) && hits->guide != NULL && scratch->chain_samples != NULL; ++i )
+    {
+        if ( scratch->chains->view[hits->slot[i]] == RF_VIEW_CHAIN )
+            hits->table[i] = RF_NOT_GUIDED;
+    }
+}
+
 void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch )
 {
     const RfVertexLanes* first = &scratch->first;
@@ -164,6 +174,7 @@ void rf_follow_camera_rays( const RfHarvest* harvest, RfHarvestScratch* scratch 
         rf_follow_chains( &harvest->path, first, &scratch->camera_rays, !harvest->group->first_hits_only, wavefront,
                           scratch->chains );
         scratch->hits = &scratch->chains->hits;
+        leave_unguided( &scratch->chains->hits, scratch );
     }
     if ( rf_reuses_tiles( scratch ) && ( rf_follows_chains( scratch ) || harvest->shape->caustics ) )
         split_tiles( harvest, scratch );
