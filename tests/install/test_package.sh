@@ -1,11 +1,17 @@
 #!/usr/bin/env bash
 # Makes the .deb files by cpack, compares what is in them with what `cmake --install` installs, installs
-# them, uses program and library, and removes them again. Skipped (77) but for root on Debian.
+# them, uses program and library, and removes them again. Skipped (77) but for root on Debian. The recipes
+# in scripts/package must be of this version.
 #   test_package.sh BUILD-FOLDER SCENE.glb C-COMPILER
 set -euo pipefail
 build=$1 scene=$2 compiler=$3
 source=$(cd "$(dirname "$0")" && pwd)
 packages=(reframe libreframe-dev)
+version=$(sed -n 's/^project(.*VERSION \([0-9.]*\).*/\1/p' "$source/../../CMakeLists.txt")
+for recipe in PKGBUILD reframe.rb meta.yaml README.md; do
+    grep -qE "(ver=|reframe-|version = \")${version//./\\.}\b" "$source/../../scripts/package/$recipe" ||
+        { echo "test_package: scripts/package/$recipe: is not of version $version" >&2; exit 1; }
+done
 if [ "$(id -u)" != 0 ] || ! command -v dpkg-shlibdeps >/dev/null; then
     echo "test_package: only root on Debian can install a package" >&2
     exit 77
