@@ -16,7 +16,7 @@ typedef struct RfGuideSample
     uint8_t axis; // of the normal
 } RfGuideSample;
 
-#define RF_MOST_NOTED 8 // vertices of a path
+#define RF_MOST_NOTED 16 // vertices of a path
 
 // The vertices of paths that are under way, by slot.
 typedef struct RfNotedVertex

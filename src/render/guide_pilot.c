@@ -36,7 +36,7 @@ static const int s_parts[PASSES] = { 1, 5, 4, 8, 6 }; // of the passes
 // The larger variances are, the rarer are the paths that make them, and the less a pilot sees of what a guide saves.
 #define KNOWN_VARIANCE 8.0
 #define GUIDED_COST 1.15  // time of a guided path, beside its rays
-#define LEAST_WORTH 1.2   // that a guide is kept for
+#define LEAST_WORTH 1.1   // that a guide is kept for
 #define LEAST_PROMISE 0.9 // after fewer passes
 
 // Of the light that paths brought to a block.
