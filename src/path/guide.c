@@ -50,6 +50,8 @@ RfVec3 rf_sample_guide( const RfGuideTable* table, float u, float v )
 void rf_mix_guide( const RfGuide* guide, int count, const int32_t* table, const float* const wi[3],
                    float* restrict pdf_solid_angle )
 {
+    if ( count == 0 ) // of no lanes the guide may not be set
+        return;
     const RfGuideTable* tables = guide->tables;
     const float *x = wi[0], *y = wi[1], *z = wi[2];
 #pragma omp simd

@@ -37,6 +37,7 @@ static void take_vertices( const int32_t* from, const int32_t* slot, int count, 
         spare->first[kind] = b;
     }
     spare->count = count;
+    spare->guide = second->guide;
     *second = *spare;
 }
 
