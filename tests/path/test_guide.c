@@ -134,7 +134,7 @@ static RfVec3 normal_of( int k ) { return rf_vec3( 0.0f, k % 2 ? -1.0f : 1.0f, 0
 static RfVec3 light_of( RfVec3 p ) { return rf_normalize( rf_vec3( p.x < 0.0f ? 1.0f : -1.0f, 1.0f, 0.0f ) ); }
 
 // Directions by the cosine, from all of the hemisphere. `noise`: the ceiling's light is seldom found.
-static RfGuideSample found_at( int k, bool noise )
+static RfGuideSample draw_sample( int k, bool noise )
 {
     RfVec3 n = normal_of( k ), p = point_of( k ), d = draw_direction( (uint32_t)k );
     d = rf_normalize( rf_add( d, n ) );
@@ -165,7 +165,7 @@ TEST( test_a_guide_leads_to_the_light )
     RfGuideSample* samples = malloc( SAMPLES * sizeof *samples );
     assert_non_null( samples );
     for ( int k = 0; k < SAMPLES; ++k )
-        samples[k] = found_at( k, true );
+        samples[k] = draw_sample( k, true );
     RfGuide* guide = rf_learn_guide( samples, SAMPLES );
     assert_non_null( guide );
     int lead = 0, floors = 0, ceilings = 0;
@@ -200,7 +200,7 @@ TEST( test_few_samples_teach_nothing )
 {
     RfGuideSample samples[8];
     for ( int k = 0; k < 8; ++k )
-        samples[k] = found_at( k, false );
+        samples[k] = draw_sample( k, false );
     for ( int count = 0; count <= 8; count += 8 )
     {
         RfGuide* guide = rf_learn_guide( samples, count );
@@ -219,7 +219,7 @@ TEST( test_degenerate_places )
     {
         for ( int k = 0; k < SAMPLES; ++k )
         {
-            samples[k] = found_at( 2 * ( k / 2 ), false );
+            samples[k] = draw_sample( 2 * ( k / 2 ), false );
             for ( int c = 0; c < 3; ++c )
                 samples[k].p[c] = line && c == 2 && k % 16 == 0 ? (float)k : 1e6f;
         }

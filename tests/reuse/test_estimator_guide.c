@@ -1,5 +1,4 @@
 // Guided paths in frames, tiles, extra samples and chains are unbiased: against a path tracer that knows of no guide.
-#include "support/moving_rooms.h"
 #include "support/rooms.h"
 #include "support/statistics.h"
 #include "support/test.h"
@@ -15,16 +14,7 @@
 
 static bool is_long( void ) { return getenv( "REFRAME_LONG" ) != NULL; }
 
-typedef struct Setting
-{
-    int group;
-    const char* tile;
-    int spp;
-    bool adaptive, connected;
-
-} Setting;
-
-static RfRenderSettings settings_of( Setting s )
+static RfRenderSettings settings_of( ChainSetting s )
 {
     RfRenderSettings settings = plain_settings();
     settings.group = s.group;
@@ -41,7 +31,7 @@ static RfRenderSettings settings_of( Setting s )
 // Something is learned.
 static void check_guided( const RfTracer* tracer, const RfEye* eyes, int eye_count )
 {
-    RfRenderSettings settings = settings_of( ( Setting ){ .group = 0, .tile = "1", .spp = 1 } );
+    RfRenderSettings settings = settings_of( ( ChainSetting ){ .group = 0, .tile = "1", .spp = 1 } );
     RfRenderStats stats;
     RfError error;
     int frame = 0;
@@ -54,7 +44,7 @@ static void check_guided( const RfTracer* tracer, const RfEye* eyes, int eye_cou
     assert_int_equal( stats.guide_tables, 0 );
 }
 
-static void check_scene( const char* what, RfScene scene, const RfEye* eyes, const Setting* settings, int count )
+static void check_scene( const char* what, RfScene scene, const RfEye* eyes, const ChainSetting* settings, int count )
 {
     RfTracer* tracer = make_tracer( &scene );
     RfRenderSettings plain = plain_settings();
@@ -63,7 +53,7 @@ static void check_scene( const char* what, RfScene scene, const RfEye* eyes, con
     check_guided( tracer, eyes, EYES );
     for ( int i = 0; i < count; ++i )
     {
-        Setting s = settings[i];
+        ChainSetting s = settings[i];
         char name[96];
         snprintf( name, sizeof name, "%s, group %d tile %s%s%s:", what, s.group, s.tile, s.adaptive ? ", adaptive" : "",
                   s.connected ? ", connected" : "" );
@@ -98,14 +88,14 @@ static RfScene make_baffled_room( RoomKind kind )
 
 TEST( test_frames_and_tiles_are_unbiased )
 {
-    static const Setting diffuse[] = {
+    static const ChainSetting diffuse[] = {
         { .group = 0, .tile = "1", .spp = 24 },     { .group = 0, .tile = "3x3", .spp = 16 },
         { .group = 3, .tile = "1", .spp = 9 },      { .group = 3, .tile = "3x3", .spp = 7 },
         { .group = 1, .tile = "rooks4", .spp = 9 },
     };
-    static const Setting glossy[] = { { .group = 0, .tile = "3x3", .spp = 16 },
-                                      { .group = 3, .tile = "1", .spp = 9 },
-                                      { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true } };
+    static const ChainSetting glossy[] = { { .group = 0, .tile = "3x3", .spp = 16 },
+                                           { .group = 3, .tile = "1", .spp = 9 },
+                                           { .group = 3, .tile = "3x3", .spp = 7, .adaptive = true } };
     RfEye eyes[EYES], away[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     orbit_eyes( away, EYES, 12.0f, WIDTH, HEIGHT );
@@ -118,9 +108,9 @@ TEST( test_frames_and_tiles_are_unbiased )
 // Translucent sheets and glass have no tables; what lies behind them has.
 TEST( test_chains_and_light_paths_are_unbiased )
 {
-    static const Setting settings[] = { { .group = 3, .tile = "3x3", .spp = 7 },
-                                        { .group = 0, .tile = "1", .spp = 8, .connected = true },
-                                        { .group = 1, .tile = "3x3", .spp = 6, .connected = true } };
+    static const ChainSetting settings[] = { { .group = 3, .tile = "3x3", .spp = 7 },
+                                             { .group = 0, .tile = "1", .spp = 8, .connected = true },
+                                             { .group = 1, .tile = "3x3", .spp = 6, .connected = true } };
     RfEye eyes[EYES];
     orbit_eyes( eyes, EYES, 3.0f, WIDTH, HEIGHT );
     check_scene( "curtain, glass", make_curtain_room( CURTAIN_AND_GLASS ), eyes, settings, 3 );

@@ -95,25 +95,15 @@ static void print_frame_errors( const RfRenderJob* job )
     json_decref( specks );
 }
 
-static void print_removed( const RfFrameErrors* errors )
+// What pilots have found. Thresholds are to be given to other shots of the set.
+static void print_pilots( const RfRenderSettings* s, const RfRenderStats* stats )
 {
-    if ( errors->removes )
-        printf( ", %.2g %% of the light removed", 100.0 * errors->removed_sum / errors->frames );
-}
-
-// The thresholds that a pilot has found, to be given to other shots of the set.
-static void print_clamp( const RfRenderJob* job )
-{
-    const RfRenderStats* stats = &job->stats;
-    if ( job->options.settings.clamp == RF_CLAMP_AUTO && stats->clamp > 0.0 && stats->clamp <= RF_MAX_CLAMP &&
-         stats->clamp_chains <= RF_MAX_CLAMP )
+    if ( s->clamp == RF_CLAMP_AUTO && stats->clamp > 0.0 && fmax( stats->clamp, stats->clamp_chains ) <= RF_MAX_CLAMP )
         printf( "For all shots of a set: --clamp %.4g --clamp-chains %.4g\n", stats->clamp, stats->clamp_chains );
-}
-
-static void print_guide( const RfRenderStats* stats )
-{
     if ( stats->guide_tables > 0 )
         printf( "Paths were guided to light that is hard to find; --guide off goes without\n" );
+    else if ( s->guide == RF_GUIDE_ON )
+        printf( "--guide on: the pilot learned nothing, no path was guided\n" );
 }
 
 // Warns of reconstructions that did not converge, or failed.
@@ -732,17 +722,17 @@ static RfResult write_json( const RfRenderJob* job, bool interrupted, RfError* e
 
 static RfResult report( RfRenderJob* job, RfError* error )
 {
-    double seconds = rf_wall_seconds() - job->start;
     const char* json_name = job->options.json;
     if ( json_name == NULL || strcmp( json_name, "-" ) != 0 )
     {
-        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output, seconds );
-        print_removed( &job->errors );
+        rf_print( "%d frame%s in %s, %.1f s", job->frame_count, job->frame_count == 1 ? "" : "s", job->options.output,
+                  rf_wall_seconds() - job->start );
+        if ( job->errors.removes )
+            printf( ", %.2g %% of the light removed", 100.0 * job->errors.removed_sum / job->errors.frames );
         if ( job->kept_count > 0 )
             printf( "; %d kept from before", job->kept_count );
         printf( "\n" );
-        print_clamp( job );
-        print_guide( &job->stats );
+        print_pilots( &job->options.settings, &job->stats );
         print_frame_errors( job );
     }
     return json_name == NULL ? rf_flush_output( error ) : write_json( job, false, error );
